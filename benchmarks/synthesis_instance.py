@@ -8,7 +8,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from fastlink.engine.run import default_threads
 from fastlink.synthesis import nine_points
 
 
@@ -36,21 +35,20 @@ def _first_triple(random):
     return z[None], np.array(points).T
 
 
-def remake(seed=0, threads=None):
+def remake(seed=0):
     """Return what `nine_points.FILE` holds, made anew: the triples of a general instance, by monodromy.
 
     From one linkage, loops in the space of points lead to others, until two loops have found nothing new.
     """
-    threads = threads or default_threads()
     random = np.random.default_rng(seed)
     known, base = _first_triple(random)
     idle = 0
     while idle < 2:
         ends, places = known, [base, _random(random, 2, 8), _random(random, 2, 8), base]
         for place, goal in pairwise(places):
-            ends, told = nine_points._follow(ends, place, goal, threads)
+            ends, told = nine_points._follow(ends, place, goal)
             ends = ends[told[0] == 1.0]
-        ends, corrections = nine_points._run(nine_points.POLISH, ends, base, 0.0 * base, 0.0, threads)
+        ends, corrections = nine_points._run(nine_points.POLISH, ends, base, 0.0 * base, 0.0)
         both = np.concatenate([known, ends[corrections[-1] < nine_points.SETTLED]])
         both = both[nine_points._first_of_triple(both) == np.arange(len(both))]
         idle = idle + 1 if len(both) == len(known) else 0

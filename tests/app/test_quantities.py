@@ -28,7 +28,7 @@ def results(mechanism):
     drawn.pop("branch", None)
     names = [row.name for row in fl.quantities(mechanism)]
     resolved = resolve(mechanism, fl.table(drawn), names, angles=angles, branch=(1, 2))
-    labelled = variables(resolved.plan, resolved.space, resolved.positions.size)
+    labelled = variables(resolved)
     return {variable.name: variable for variable in labelled}
 
 
@@ -129,7 +129,7 @@ def test_a_row_by_name_says_what_a_sweep_gives_and_needs(name):
     resolved = resolve(
         "planar_4r", fl.table({"a1": [0.4], **{k: [v] for k, v in inputs.items()}}), [name], branch=(1, 2)
     )
-    (variable, *_) = variables(resolved.plan, resolved.space, resolved.positions.size)
+    (variable, *_) = variables(resolved)
     assert (row.name, row.dims) == (name, variable.dims)
     assert row.units == variable.attrs["units"]
     assert row.meaning == variable.attrs["long_name"]

@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
-from fastlink.design.refine import FIRST_REACH, Descent, Outcome, Starts, Task, descend, is_one_design
+from fastlink.design.refine import FIRST_REACH, Descent, Outcome, Starts, descend, is_one_design
 from fastlink.maps.units import flags_of
 
 #: Of each mechanism: its inputs, and what is asked for.
@@ -277,9 +278,10 @@ def task(f, slopes, *, signs=(1.0,), low=(-NONE,), high=(NONE,), counts=None):
         found = np.array([f(x) for x in points], dtype=float)
         return found, np.ones(len(points), bool) if counts is None else np.array([counts(x) for x in points])
 
-    return Task(
-        values, lambda p: np.array([slopes(x) for x in p], dtype=float), *map(np.array, (signs, low, high))
-    )
+    def slopes_of(points):
+        return np.array([slopes(x) for x in points], dtype=float)
+
+    return SimpleNamespace(values=values, slopes=slopes_of, limits=np.array((low, high, signs)))
 
 
 def test_a_least_greatest_value_is_at_the_vertex_of_its_pieces():

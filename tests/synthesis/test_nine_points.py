@@ -94,5 +94,5 @@ def test_the_general_instance_is_what_its_code_makes():
     points, known = nine_points._instance()
     assert made.shape == (1444, 8)
     np.testing.assert_allclose(made[:2], points, rtol=1e-12)
-    both = np.concatenate([known, nine_points._turns(made[2:], points, 2)])
+    both = np.concatenate([known, nine_points._turns(made[2:], points)])
     assert (np.sort(nine_points._first_of_triple(both)) == np.repeat(np.arange(1442), 2)).all()

@@ -110,8 +110,8 @@ def best(
         one = len(choice.objectives) == 1
         top = choice.top if one else None
         selected = chosen(choice.refined(candidates(choice.top)))
-        looked = {result.name for result in refinement.results}
-        starts = selected.of(own.drop_vars([name for name in own.data_vars if name not in looked])).load()
+        others = [name for name in own.data_vars if name not in refinement.looked]
+        starts = selected.of(own.drop_vars(others)).load()
         searched = math.prod(selected.rows.shape)
         refined = refinement.of(
             starts, searched=searched, top=top, whole=lambda k: selected.only(k).of(own).load()

@@ -87,7 +87,7 @@ def swept_inputs(catalogue: Catalogue, maps: xr.Dataset) -> dict[str, Input]:
     return {name: known[name] for name in swept if not known[name].choices}
 
 
-def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str] = ()) -> list[Span]:
+def spans_of(catalogue: Catalogue, maps: xr.Dataset, only: Sequence[str]) -> list[Span]:
     """Return the inputs of a map that may change, with their ranges in it.
 
     Of a sample the ranges are those that it was drawn from. Inputs of a table that change together with another one,
@@ -112,7 +112,7 @@ def spans_of_space(
     catalogue: Catalogue,
     space: DesignSpace,
     bounds: Mapping[str, tuple[float, float]],
-    only: Sequence[str] = (),
+    only: Sequence[str],
 ) -> list[Span]:
     """Return the inputs of a design space that may change, within given ranges or else those of the space."""
     known = catalogue.known_inputs(catalogue.variant_inputs)
@@ -156,15 +156,11 @@ def within(spans: Iterable[Span], wanted: Iterable[Condition]) -> list[Span]:
     return found
 
 
-def _pieces(array: xr.DataArray) -> Iterable[NDArray[np.float64]]:
-    for start, stop in steps(0, array.size):
-        yield np.asarray(array.variable[start:stop].values, dtype=np.float64)
-
-
 def _ends(array: xr.DataArray) -> tuple[float, float]:
     """Return the least and greatest number of an input, read piece by piece."""
     low, high = np.inf, -np.inf
-    for values in _pieces(array):
+    for start, stop in steps(0, array.size):
+        values = np.asarray(array.variable[start:stop].values, dtype=np.float64)
         finite = values[np.isfinite(values)]
         low, high = min(low, finite.min(initial=np.inf)), max(high, finite.max(initial=-np.inf))
     return float(low), float(high)
@@ -219,13 +215,13 @@ class Model:
     knows_positions: bool = True
 
     @classmethod
-    def of_map(cls, maps: xr.Dataset, own: Any = None) -> Model:
+    def of_map(cls, maps: xr.Dataset, own: Any) -> Model:
         """Return that of a map, by its labels, perhaps with the quantities of a user that it was made with."""
         attrs = maps.attrs
         name, input = mechanism_of_map(attrs), attrs.get("input")
         mechanism: str | Extension = name
         if own is not None:
-            mechanism = check_declared(("mechanism",), own, name, str(attrs.get("own_quantities", "")))
+            mechanism = check_declared(own, name, str(attrs.get("own_quantities", "")))
         catalogue = find_catalogue(mechanism, input)
         known = catalogue.known_inputs(catalogue.variant_inputs)
         given = [name for name in known if name in maps.variables]
@@ -262,9 +258,7 @@ def angles_of(catalogue: Catalogue, positions: NDArray[np.float64], arc: bool) -
     """Return input positions as the option of a sweep: the number of equal steps over one turn, or an arc, if so."""
     count = len(positions)
     turn = catalogue.positions is None and np.array_equal(positions, check_positions(catalogue, count))
-    if arc or turn:
-        return {"angles": count}
-    return {"angles": positions}
+    return {"angles": count if arc or turn else positions}
 
 
 @dataclass(frozen=True, eq=False)
@@ -290,7 +284,7 @@ class Results:
         """Return the results (points, results) of designs (inputs, points)."""
         found = np.empty((designs.shape[1], len(self.names)))
         if self._over_cycle is not None:
-            found[:, self._of_cycle] = self._over_cycle(self._of_design(designs)).T
+            found[:, self._of_cycle] = self._over_cycle(designs[: self._count]).T
         if self._of_points:
             read = self._evaluated([self.names[k] for k in self._of_points], designs)
             for k in self._of_points:
@@ -304,17 +298,18 @@ class Results:
         absent = [k for k in self._of_cycle if k not in places]
         found[:, absent] = np.nan
         if function is not None:
-            count = len(self.inputs) - self.at_position
-            slopes = function.gradient(self._of_design(designs))
-            found[:, places, :count] = np.moveaxis(slopes, 2, 0)
+            slopes = function.gradient(designs[: self._count])
+            found[:, places, : self._count] = np.moveaxis(slopes, 2, 0)
         names = self._slopes_at_points
         read = self._evaluated([name for name in names.values() if name], designs)
         for (k, j), name in names.items():
             found[:, k, j] = read[name] if name else np.nan
         return found
 
-    def _of_design(self, designs: NDArray[np.float64]) -> NDArray[np.float64]:
-        return designs[: len(self.inputs) - self.at_position]
+    @property
+    def _count(self) -> int:
+        """The number of the inputs of a design, which come first."""
+        return len(self.inputs) - self.at_position
 
     @property
     def _of_cycle(self) -> list[int]:
@@ -325,9 +320,8 @@ class Results:
         return [k for k, one in enumerate(self.pointwise) if one]
 
     def _function(self, names: Sequence[str]) -> Function:
-        inputs = self.inputs[: len(self.inputs) - self.at_position]
         options: dict[str, Any] = {"branch": self.branch, **self.model.options, **self.codes}
-        return function(self.model.mechanism, inputs, names, **options)
+        return function(self.model.mechanism, self.inputs[: self._count], names, **options)
 
     @cached_property
     def _over_cycle(self) -> Function | None:
@@ -385,18 +379,12 @@ DIFFERENCE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Requirement:
-    """A result or an input with its aim and limits, or a code with the values that it must have."""
+    """A result or an input with its aim (1 to be least, -1 greatest, 0 neither) and its limits."""
 
     name: str
     sign: float = 0.0
     low: float = -np.inf
     high: float = np.inf
-    condition: Condition | None = None
-
-    @property
-    def is_code(self) -> bool:
-        """Whether it must have one of some values."""
-        return self.condition is not None
 
 
 class Points:
@@ -406,6 +394,7 @@ class Points:
         self,
         reader: Results,
         required: Sequence[Requirement],
+        codes: Sequence[Condition],
         spans: Sequence[Span],
         start: NDArray[np.float64],
         limits: Mapping[str, tuple[float, float]] = {},
@@ -424,27 +413,26 @@ class Points:
         self.has_start = bool((own == start[self.leaders]).all())
         spans = [span.about(x) for span, x in zip(spans, own, strict=True)]
         self.low, self.high = np.array([(span.low, span.high) for span in spans]).T
-        width = self.high - self.low
-        self.begin = np.divide(own - self.low, width, out=np.zeros(len(own)), where=width > 0.0)
-        self.shown = [one for one in required if not one.is_code]
+        self.begin = self._shares(own)
+        #: The least and greatest values of the results, and their aims.
+        self.limits = np.array([(one.low, one.high, one.sign) for one in required]).T
         places = {name: k for k, name in enumerate(reader.names)}
-        self.read = [(k, places[one.name]) for k, one in enumerate(self.shown) if one.name in places]
-        self.own = [(k, inputs.index(one.name)) for k, one in enumerate(self.shown) if one.name not in places]
-        self.codes = [(places[one.name], one.condition) for one in required if one.is_code]
+        self.read = [(k, places[one.name]) for k, one in enumerate(required) if one.name in places]
+        self.own = [(k, inputs.index(one.name)) for k, one in enumerate(required) if one.name not in places]
+        self.codes = [(places[one.name], one) for one in codes]
         self.periods = np.array([span.period for span in spans])
 
-    @property
-    def limits(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """The least and greatest values of the results, and their aims: 1 to be least, -1 greatest, 0 neither."""
-        low, high, signs = np.array([(one.low, one.high, one.sign) for one in self.shown]).T
-        return low, high, signs
+    def _shares(self, leaders: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return inputs as shares of their ranges, 0 where a range is one number."""
+        width = self.high - self.low
+        shares: Floats = np.divide(leaders - self.low, width, out=np.zeros(len(leaders)), where=width > 0.0)
+        return shares
 
     def place_of(self, design: NDArray[np.float64]) -> NDArray[np.float64] | None:
         """Return a design as a point, None of one that cannot be reached from this start."""
         own, turns = design[self.leaders], self.periods > 0.0
         own[turns] = self.low[turns] + (own[turns] - self.low[turns]) % self.periods[turns]
-        width = self.high - self.low
-        place = np.divide(own - self.low, width, out=np.zeros(len(own)), where=width > 0.0)
+        place = self._shares(own)
         inside = (place >= 0.0).all() and (place <= 1.0).all()
         again = self.designs(place[None])[:, 0]
         again[self.leaders] = design[self.leaders]
@@ -462,20 +450,20 @@ class Points:
         """Return the results of points, and whether their codes are those that are wanted."""
         designs = self.designs(points)
         read = self.reader.values(designs)
-        found, counts = np.empty((len(points), len(self.shown))), np.ones(len(points), dtype=bool)
+        found = np.empty((len(points), self.limits.shape[1]))
+        counts = np.ones(len(points), dtype=bool)
         for k, place in self.read:
             found[:, k] = read[:, place]
         for k, row in self.own:
             found[:, k] = designs[row]
         for place, condition in self.codes:
-            assert condition is not None
             counts &= condition.holds(read[:, place])
         return found, counts
 
     def slopes(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the derivatives of the results, by differences where there are no others."""
         read = self.reader.slopes(self.designs(points))
-        found = np.empty((len(points), len(self.shown), len(self.start)))
+        found = np.empty((len(points), self.limits.shape[1], len(self.start)))
         for k, place in self.read:
             found[:, k] = read[:, place]
         for k, row in self.own:
@@ -630,22 +618,6 @@ class Outcome(IntEnum):
         return self.name.lower()
 
 
-@dataclass(frozen=True, eq=False)
-class Task:
-    """A search for the least results within limits."""
-
-    #: Designs (points, inputs), each input from 0 to 1, to results (points, results) and to whether a design counts
-    # (points,): whether its codes are those that are wanted.
-    values: Callable[[Floats], tuple[Floats, NDArray[np.bool_]]]
-    #: Designs to the derivatives (points, results, inputs).
-    slopes: Callable[[Floats], Floats]
-    #: 1 for a result to be least, -1 to be greatest, 0 for one that has limits alone.
-    signs: Floats
-    #: The limits of the results.
-    low: Floats
-    high: Floats
-
-
 @dataclass
 class Descent:
     """A design that was found, and how."""
@@ -668,20 +640,9 @@ class Descent:
     missed_first: bool = False
 
 
-def descend(task: Task, start: Floats) -> Descent:
-    """Return the best design that is reached from a start; the same one each time.
-
-    Examples
-    --------
-    >>> def values(x):
-    ...     return np.maximum(x[:, :1], 1.0 - 2.0 * x[:, :1]), np.ones(len(x), bool)
-    >>> def slopes(x):
-    ...     return np.where(x[:, :1] > 1.0 - 2.0 * x[:, :1], 1.0, -2.0)[:, :, None]
-    >>> found = descend(Task(values, slopes, *np.array([[1.0], [-np.inf], [np.inf]])), np.array([0.9]))
-    >>> found.values.round(9), found.outcome.name
-    (array([0.33333333]), 'CONVERGED')
-    """
-    walk = _Walk(task, np.clip(start, 0.0, 1.0))
+def descend(points: Points, start: Floats) -> Descent:
+    """Return the best design that is reached from a start; the same one each time."""
+    walk = _Walk(points, np.clip(start, 0.0, 1.0))
     if not walk.can_start:
         return Descent(walk.start, walk.first, Outcome.NO_DERIVATIVE_AT_THE_START, walk.size)
     with np.errstate(all="ignore"):
@@ -697,6 +658,11 @@ def descend(task: Task, start: Floats) -> Descent:
     return walk.result(outcome)
 
 
+def constraint(kind: str, rows: Callable[[Floats], tuple[Any, Any]]) -> dict[str, Any]:
+    """Return a constraint of SLSQP from a function that returns values and derivatives."""
+    return {"type": kind, "fun": lambda z: rows(z)[0], "jac": lambda z: rows(z)[1]}
+
+
 class _Walk:
     """The way from a start: what is known of the points that were looked at.
 
@@ -705,17 +671,18 @@ class _Walk:
     some the one that misses least is the best.
     """
 
-    def __init__(self, task: Task, start: Floats) -> None:
-        self.task, self.start = task, start
-        self.aims, self.signs = np.flatnonzero(task.signs), task.signs
+    def __init__(self, points: Points, start: Floats) -> None:
+        self.points, self.start = points, start
+        low, high, self.signs = points.limits
+        self.aims = np.flatnonzero(self.signs)
         values, slopes = self.measured(start[None])
         self.first = values[0]
         self.can_start = bool(np.isfinite(values).all() and np.isfinite(slopes).all())
         self.size = self._sizes(values[0], slopes[0])
-        targets = task.low == task.high
-        width = np.where(targets, MET * np.maximum(np.abs(task.low), self.size), 0.0)
-        self.low, self.high, self.targets = task.low - width, task.high + width, np.flatnonzero(targets)
-        limits, span = np.stack((task.low, task.high)), task.high - task.low
+        targets = low == high
+        width = np.where(targets, MET * np.maximum(np.abs(low), self.size), 0.0)
+        self.low, self.high, self.targets = low - width, high + width, np.flatnonzero(targets)
+        limits, span = np.stack((low, high)), high - low
         kept = np.where(np.isfinite(limits), np.maximum(np.abs(limits), self.size), 0.0).max(axis=0)
         span = np.where(targets, 2.0 * width, span)
         self.margin = np.minimum(MARGIN * kept, np.where(np.isfinite(span), span / 4.0, np.inf))
@@ -733,8 +700,8 @@ class _Walk:
 
     def measured(self, points: Floats) -> tuple[Floats, Floats]:
         """Return values, NaN where a design does not count, and slopes."""
-        values, counts = self.task.values(points)
-        return np.where(counts[:, None], values, np.nan), self.task.slopes(points)
+        values, counts = self.points.values(points)
+        return np.where(counts[:, None], values, np.nan), self.points.slopes(points)
 
     def height(self, values: Floats) -> Any:
         """Return how far points lie above the start, in sizes of the objectives."""
@@ -768,27 +735,20 @@ class _Walk:
         from scipy.optimize import minimize
 
         joint = len(self.aims) > 1
-        start = np.append(begin, 0.0) if joint else begin
-        rows, targets = self._rows_of_limits(), self._rows_of_targets
-        constraints = [{"type": "ineq", "fun": lambda z: rows(z)[0], "jac": lambda z: rows(z)[1]}]
-        if not len(rows(start)[0]):
-            constraints = []
+        start, up = np.append(begin, [0.0] * joint), np.append(0.0 * begin, 1.0)
+        rows = self._rows_of_limits()
+        constraints = [constraint("ineq", rows)] if len(rows(start)[0]) else []
         if len(self.targets):
-            constraints += [{"type": "eq", "fun": lambda z: targets(z)[0], "jac": lambda z: targets(z)[1]}]
+            constraints.append(constraint("eq", self._rows_of_targets))
+
+        def objective(z: Floats) -> tuple[Any, Floats]:
+            return (z[-1], up) if joint else self._height_at(z)
+
         ends: list[Any] = [(0.0, 1.0)] * len(self.start) + [(None, None)] * joint
-        up = np.eye(len(start))[-1]
-        try:
-            minimize(
-                (lambda z: z[-1]) if joint else (lambda z: float(self.height(self._at(z)[0]))),
-                start,
-                jac=(lambda z: up) if joint else self._objective_slopes,
-                method="SLSQP",
-                bounds=ends,
-                constraints=constraints,
-                options={"maxiter": MOST_STEPS, "ftol": PRECISION},
-            )
-        except (ValueError, ArithmeticError, np.linalg.LinAlgError):
-            return  # the best point so far is known, and the linear programs go on from there
+        how: dict[str, Any] = {"method": "SLSQP", "options": {"maxiter": MOST_STEPS, "ftol": PRECISION}}
+        # where it fails the best point so far is known, and the linear programs go on from there
+        with contextlib.suppress(ValueError, ArithmeticError, np.linalg.LinAlgError):
+            minimize(objective, start, jac=True, bounds=ends, constraints=constraints, **how)
 
     def _at(self, z: Floats) -> tuple[Floats, Floats]:
         """Return values and slopes at one point of SLSQP; of a point that has none the last ones, and no change."""
@@ -804,10 +764,10 @@ class _Walk:
             self._last = key, value, np.nan_to_num(slopes[0], nan=0.0, posinf=0.0, neginf=0.0)
         return self._last[1], self._last[2]
 
-    def _objective_slopes(self, z: Floats) -> Floats:
-        (k,) = self.aims
-        slopes: Floats = self.signs[k] * self._at(z)[1][k] / self.size[k]
-        return slopes
+    def _height_at(self, z: Floats) -> tuple[float, Floats]:
+        """Return how far a point lies above the start by the one objective, and the slopes."""
+        (k,), (values, slopes) = self.aims, self._at(z)
+        return float(self.height(values)), self.signs[k] * slopes[k] / self.size[k]
 
     def _rows_of_limits(self) -> Callable[[Floats], tuple[Floats, Floats]]:
         """Return a function that gives what must not fall below 0, and its slopes."""
@@ -837,7 +797,7 @@ class _Walk:
         values, slopes = self._at(z)
         of, found = self.targets, np.zeros((len(self.targets), len(z)))
         found[:, : len(self.start)] = slopes[of] / self.size[of, None]
-        return (values - self.task.low)[of] / self.size[of], found
+        return (values - self.points.limits[0])[of] / self.size[of], found
 
     # -- towards limits that are missed: least squares ----------------------------------------------------------------
 
@@ -897,7 +857,7 @@ class _Walk:
         for again in (False, True):
             point = np.clip(self.best + program.step, 0.0, 1.0)
             point = self._onto_targets(point)
-            values, counts = self.task.values(point[None])
+            values, counts = self.points.values(point[None])
             if not counts[0] or not np.isfinite(values).all():
                 return False
             if self.note(point, values[0]):
@@ -1028,8 +988,7 @@ class End:
 
     #: The number of its start.
     row: int
-    #: What computes its results, and the designs that can be reached.
-    reader: Results
+    #: The designs that could be reached.
     points: Points
     #: How it was reached.
     descent: Descent
@@ -1064,7 +1023,9 @@ class Refinement:
         self.inputs = [*swept_inputs(catalogue, maps), *([self.position] if self.at_position else [])]
         self.spans = within([*spans, *([self._of_position(maps)] if self.at_position else [])], wanted)
         self.limits = {one.name: (one.low, one.high) for one in wanted if one.is_limit}
-        self.results = self._results(maps, objectives, wanted)
+        self.results, self.codes = self._results(maps, objectives, wanted)
+        #: The names of all that is looked at.
+        self.looked = [*(one.name for one in self.results), *(one.name for one in self.codes)]
         self.units = units_of(maps)
         self._readers: dict[tuple[Any, ...], Results] = {}
 
@@ -1078,9 +1039,9 @@ class Refinement:
 
     def _results(
         self, maps: xr.Dataset, objectives: Sequence[Objective], wanted: Sequence[Condition]
-    ) -> list[Requirement]:
-        """Return what is looked at, the codes last, or refuse what nothing computes."""
-        problems, found, codes = Problems(), dict[str, dict[str, Any]](), list[Requirement]()
+    ) -> tuple[list[Requirement], list[Condition]]:
+        """Return results with aims and limits, and conditions on codes, or refuse what nothing computes."""
+        problems, found, codes = Problems(), dict[str, dict[str, Any]](), list[Condition]()
         for aim in objectives:
             with problems.at():
                 name = self._computed(maps, aim.array, "minimise" if aim.sign > 0.0 else "maximise")
@@ -1092,12 +1053,12 @@ class Refinement:
             with problems.at():
                 name = self._computed(maps, one.array, "where")
                 if one.codes is not None or one.array.dtype.kind != "f":
-                    codes.append(Requirement(name, condition=one))
+                    codes.append(one)
                 else:
                     found.setdefault(name, {})
                     found[name] |= {"low": one.low, "high": one.high}
         problems.stop()
-        return [*(Requirement(name, **given) for name, given in found.items()), *codes]
+        return [Requirement(name, **given) for name, given in found.items()], codes
 
     def _computed(self, maps: xr.Dataset, array: xr.DataArray, where: str) -> str:
         """Return the name of a variable that is computed anywhere, or refuse it."""
@@ -1195,7 +1156,7 @@ class Refinement:
     def _noted(self, ends: list[End], new: End) -> bool:
         """Add an end, or count it with one that is the same design; tell whether it is a new one."""
         for k, old in enumerate(ends):
-            if old.reader is not new.reader:
+            if old.points.reader is not new.points.reader:
                 continue
             heights = [self.results[0].sign * one.descent.values[0] for one in (new, old)]
             worse, better = (old, new) if heights[0] < heights[1] else (new, old)
@@ -1207,13 +1168,12 @@ class Refinement:
 
     def _ended(self, row: xr.Dataset, number: int) -> End:
         """Return the end of the descent from one design."""
-        reader = self._reader(row)
         start = np.array([float(row[name]) for name in self.inputs])
-        points = Points(reader, self.results, self.spans, start, self.limits)
+        points = Points(self._reader(row), self.results, self.codes, self.spans, start, self.limits)
         descent = self._descent(points, row)
         stays = descent.point is points.begin and points.has_start
         design = start if stays else points.designs(descent.point[None])[:, 0]
-        return End(number, reader, points, descent, design if design is start else self._wrapped(design))
+        return End(number, points, descent, design if design is start else self._wrapped(design))
 
     def _descent(self, points: Points, row: xr.Dataset) -> Descent:
         aims = [one for one in self.results if one.sign]
@@ -1223,8 +1183,7 @@ class Refinement:
             own[: len(aims)], expected, rtol=REPRODUCED, atol=0.0, equal_nan=True
         ):
             return Descent(points.begin, own, Outcome.NOT_WHAT_THE_MAP_SAYS, np.ones(len(own)))
-        low, high, signs = points.limits
-        return descend(Task(points.values, points.slopes, signs, low, high), points.begin)
+        return descend(points, points.begin)
 
     def _wrapped(self, design: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return a design whose input position, where it goes all around, is in the turn of the map."""
@@ -1243,10 +1202,10 @@ class Refinement:
         fixed = {name: float(row[name]) for name in stated if name in row.variables and name not in given}
         key = (branch, *fixed.items())
         if key not in self._readers:
-            names = tuple(one.name for one in self.results if one.name not in self.inputs)
+            names = tuple(name for name in self.looked if name not in self.inputs)
             pointwise = tuple(name in self.pointwise for name in names)
-            options: dict[str, Any] = {"codes": fixed, "at_position": self.at_position}
-            self._readers[key] = Results(self.model, names, pointwise, tuple(self.inputs), branch, **options)
+            given_for_each = tuple(self.inputs), branch, fixed, self.at_position
+            self._readers[key] = Results(self.model, names, pointwise, *given_for_each)
         return self._readers[key]
 
     def _recomputed(self, found: xr.Dataset, designs: NDArray[np.float64]) -> xr.Dataset:
@@ -1307,16 +1266,16 @@ class Refinement:
 
     def _missed(self, descent: Descent) -> str:
         """Return the limits that a design misses, and by how much."""
-        shown = [one for one in self.results if not one.is_code]
         texts = []
         for k in descent.missed:
-            texts.append(missed_text(shown[k], float(descent.values[k]), self.units.get(shown[k].name, "1")))
+            one = self.results[k]
+            texts.append(missed_text(one, float(descent.values[k]), self.units.get(one.name, "1")))
         return ", ".join(texts)
 
     def _active(self, descent: Descent) -> str:
         """Return the limits that hold a design back."""
-        shown = [one for one in self.results if not one.is_code]
-        held: list[tuple[Requirement | Span, int]] = [(shown[k], sign) for k, sign in sorted(descent.limits)]
+        held: list[tuple[Requirement | Span, int]]
+        held = [(self.results[k], sign) for k, sign in sorted(descent.limits)]
         held += [(self.spans[j], sign) for j, sign in sorted(descent.ends)]
         texts = []
         for one, sign in held:

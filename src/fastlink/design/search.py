@@ -39,17 +39,12 @@ from fastlink.facts.own import declared_names
 from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
 from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFile, merged, part_files
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
-from fastlink.io.output_path import exists_error, not_writable, progress_bar, reason, refused, search_of
+from fastlink.io.output_path import exists_error, not_writable, reason, refused, search_of
 from fastlink.io.partial_file import check_left, check_target
 from fastlink.io.reader import PartOfMap, as_dataset, finished_map, shown_parts
 from fastlink.io.writer import Writer
 from fastlink.maps import open as open_map
 from fastlink.maps.best import (
-    ACTIVE,
-    GAIN,
-    MISSED,
-    REFINEMENT,
-    STARTS,
     Choice,
     Tally,
     choice_of,
@@ -105,8 +100,7 @@ class Kept(Tally):
 
     def arrays(self) -> dict[str, Any]:
         """Return everything as arrays by name, as a file keeps them."""
-        names = ("rows", "points", "designs", "near", "missed", *COUNTS)
-        return {name: np.asarray(getattr(self, name)) for name in names}
+        return {name: np.asarray(value) for name, value in vars(self).items()}
 
     @property
     def every(self) -> NDArray[np.int64]:
@@ -129,10 +123,9 @@ class Stream:
     def __init__(self, resolved: ResolvedSweep, choice: Choice, along: Mapping[str, NDArray[Any]]) -> None:
         self.resolved, self.choice, self.along = resolved, choice, along
         dims = dict.fromkeys(str(dim) for array in choice.arrays for dim in array.dims if dim != DESIGN)
-        self.lengths = resolved.lengths
-        order = [dim for dim in (BRANCH, *along) if dim in dims]
+        lengths = resolved.lengths
         #: The dimensions of objectives and conditions besides the design, and their lengths; rows are in C order.
-        self.sizes = {dim: self.lengths[dim] for dim in order}
+        self.sizes = {dim: lengths[dim] for dim in (BRANCH, *along) if dim in dims}
         self.rows_of_design = math.prod(self.sizes.values())
         self.names = list(dict.fromkeys(str(array.name) for array in choice.arrays))
         outputs = {output.name: k for k, output in enumerate(resolved.plan.outputs)}
@@ -140,7 +133,7 @@ class Stream:
         self.inputs = [name for name in self.names if name in resolved.space.names]
         self.status = outputs["status"]
         #: How many a design has: that of a linkage is of each branch.
-        self.statuses = math.prod(self.lengths[axis] for axis in resolved.plan.outputs[self.status].axes)
+        self.statuses = math.prod(lengths[axis] for axis in resolved.plan.outputs[self.status].axes)
         self.several = len(choice.objectives) > 1
         #: Rows that are not compared with each other yet, and how many; rows of the front that beat most others.
         self.waiting: list[tuple[NDArray[np.int64], NDArray[np.float64]]] = []
@@ -185,20 +178,20 @@ class Stream:
 
     def _values(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> dict[str, NDArray[Any]]:
         """Return what is looked at, with a length or 1 along each dimension of the rows."""
-        lengths, found = self.lengths, dict[str, NDArray[Any]]()
+        count, found = stop - start, dict[str, NDArray[Any]]()
+
+        def shape(*dims: str) -> list[int]:
+            return [length if dim in dims else 1 for dim, length in self.sizes.items()]
+
         for name, k in self.outputs.items():
-            axes = self.resolved.plan.outputs[k].axes
-            shape = [lengths[dim] if dim in axes else 1 for dim in self.sizes]
-            found[name] = arrays[k].reshape(stop - start, *shape)
+            found[name] = arrays[k].reshape(count, *shape(*self.resolved.plan.outputs[k].axes))
         if self.inputs:
-            read = np.empty((len(self.inputs), stop - start))
+            read = np.empty((len(self.inputs), count))
             self.resolved.space.fill(self.inputs, start, stop, read)
-            for name, row in zip(self.inputs, read, strict=True):
-                found[name] = row.reshape(-1, *(1 for _ in self.sizes))
+            found |= {name: row.reshape(count, *shape()) for name, row in zip(self.inputs, read, strict=True)}
         for name in self.names:
             if name not in found:
-                shape = [lengths[dim] if dim == name else 1 for dim in self.sizes]
-                found[name] = self.along[name].reshape(1, *shape)
+                found[name] = self.along[name].reshape(1, *shape(name))
         return found
 
     def merge(self, one: Kept, other: Kept) -> None:
@@ -259,17 +252,23 @@ STEP_SECONDS = 10.0
 class Unfinished:
     """The state of a search that is under way, or another run: what it keeps, and of which designs.
 
-    It is written whole, under another name, and then given its own: what stands there is never half.
+    It is written whole, under another name, and then given its own: what stands there is never half. A run without a
+    file keeps nothing.
     """
 
-    def __init__(self, path: Path, fingerprint: str, of_arrays: Callable[..., Any] = Kept.of_arrays) -> None:
-        self.path, self.fingerprint, self.of_arrays = search_of(path), fingerprint, of_arrays
-        self.due = time.monotonic() + STEP_SECONDS
+    def __init__(self, path: Path | None, fingerprint: str, restart: bool, of_arrays: Any) -> None:
+        self.path = None if path is None else search_of(path)
+        self.fingerprint, self.of_arrays = fingerprint, of_arrays
+        self.due = math.inf if path is None else time.monotonic() + STEP_SECONDS
+        if restart:
+            self.remove()
 
     def read(self) -> tuple[Any, list[Range]] | None:
         """Return what an earlier run of the same request has left, None where nothing is; refuse that of another."""
         throw_away = (", or write ", Setting("restart", True), " to throw it away")
         remedy = ("finish that search, choose another name", throw_away)
+        if self.path is None:
+            return None
         try:
             with np.load(self.path) as arrays:
                 about = json.loads(str(arrays["about"]))
@@ -284,6 +283,8 @@ class Unfinished:
 
     def write(self, kept: Any, done: Sequence[Range]) -> None:
         """Keep a state."""
+        if self.path is None:
+            return
         about = json.dumps({"fingerprint": self.fingerprint, "done": [list(one) for one in done]})
         content = io.BytesIO()
         np.savez(content, about=np.array(about), **kept.arrays())
@@ -302,7 +303,8 @@ class Unfinished:
     def remove(self) -> None:
         """Remove it: the search has its file, or is to begin anew."""
         try:
-            self.path.unlink(missing_ok=True)
+            if self.path is not None:
+                self.path.unlink(missing_ok=True)
         except OSError as error:
             raise InputError(f"{self.path} cannot be removed ({error})", remedy="remove it") from error
 
@@ -324,11 +326,8 @@ def found_by(
 ) -> tuple[xr.Dataset, xr.Dataset | None]:
     """Return the designs that a search finds; of a part the rows that it keeps, and what those who join it need."""
     stream = Stream(request.resolved, request.kept, request.along)
-    unfinished = None if path is None else Unfinished(path, of.fingerprint if of else request.fingerprint)
-    if unfinished is not None and restart:
-        unfinished.remove()
-    earlier = None if unfinished is None else unfinished.read()
-    kept, done = earlier if earlier is not None else (stream.nothing(), [])
+    unfinished = Unfinished(path, (of or request).fingerprint, restart, Kept.of_arrays)
+    kept, done = unfinished.read() or (stream.nothing(), [])
     started, resumed = time.perf_counter(), stream.designs_of(kept)
     check_needs(request.resolved, threads, block, 0, 0)
     if cluster is not None:
@@ -347,12 +346,11 @@ def found_by(
     if of:
         result, whole = request.of_part(stream, kept, of, about), request.for_joining(stream, kept, verify)
     else:
-        if unfinished is not None and not len(kept.every):
+        if not len(kept.every):
             unfinished.remove()
         verify = (0 if path is None else DESIGNS) if verify is None else verify
         result = finished(request, stream, kept, about, verify=verify, progress=progress)
-    if unfinished is not None:
-        unfinished.remove()
+    unfinished.remove()
     return result, whole
 
 
@@ -369,12 +367,9 @@ def finished(
     if not len(kept.every):
         raise kept.nothing_found(request.choice, request.size * stream.rows_of_design)
     most = len(kept.every) if stream.several else min(request.choice.top, len(kept.every))
-    swept, refining = time.perf_counter(), progress_bar(most, " designs refined", progress)
-    try:
-        result = request.found(stream, kept, verify, refining.update if refining else lambda count: None)
-    finally:
-        if refining:
-            refining.close()
+    swept = time.perf_counter()
+    with ProgressBar(most, progress, " designs refined") as bar:
+        result = request.found(stream, kept, verify, bar.merge)
     refined, refinement = result.attrs.pop("selection", ""), time.perf_counter() - swept
     result.attrs |= {**request.about(), **request.counts(stream, kept, request.size), **about}
     result.attrs |= {"run_time_s": about["run_time_s"] + refinement, "refinement_time_s": refinement}
@@ -416,7 +411,7 @@ class _Gathered:
 class _Gathering(_Gathered):
     """The same of all designs, in threads or on a cluster; from time to time its state is put beside the file."""
 
-    def __init__(self, unfinished: Unfinished | None, bar: ProgressBar, *given: Any) -> None:
+    def __init__(self, unfinished: Unfinished, bar: ProgressBar, *given: Any) -> None:
         super().__init__(*given)
         self.unfinished, self.bar, self.lock = unfinished, bar, threading.Lock()
 
@@ -429,7 +424,7 @@ class _Gathering(_Gathered):
         """Add what is kept of further designs, also by a worker; thread-safe."""
         with self.lock:
             super().merge(report)
-            if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
+            if time.monotonic() >= self.unfinished.due:
                 self.unfinished.write(*self.report())
         self.bar.merge(self.stream.designs_of(report[0]))
 
@@ -447,10 +442,10 @@ class _Gathering(_Gathered):
                 there = remote.take, remote, self.merge
                 cluster.run(job, self.take, remote=there, block=block, pending=pending)
             else:
-                apart = self.unfinished is not None
+                apart = self.unfinished.path is not None
                 run(job, sink=self.take, threads=threads, block=block, pending=pending, apart=apart)
         except BaseException as error:
-            if self.unfinished is not None and (now := self.done.joined()):
+            if self.unfinished.path is not None and (now := self.done.joined()):
                 with contextlib.suppress(InputError):
                     self.unfinished.write(*self.report())
                     share = _count(now) / _count(wanted)
@@ -485,9 +480,7 @@ class SearchRequest:
     options: dict[str, Any]
     #: What is computed of these.
     quantities: tuple[str, ...]
-    #: The inputs that a refinement may change, none named for all; None for no refinement.
-    only: tuple[str, ...] | None
-    #: What is searched for, as it was given, and which rows that are.
+    #: What is searched for and refined, as it was given, and which rows that are.
     asked: dict[str, Any]
     choice: Choice
     #: The labels of the sweep, with one design.
@@ -558,8 +551,7 @@ class SearchRequest:
         designs, places = stream.places(rows)
         space = self.resolved.space
         inside = designs if self.numbers is None else np.searchsorted(self.numbers, designs)
-        columns: dict[str, Any] = {DESIGN: designs, **space.at(inside)}
-        columns |= {name: space.constants[name] for name in space.constants}
+        columns: dict[str, Any] = {DESIGN: designs, **space.at(inside), **space.constants}
         of_row = space.size // space.shape[0] if space.dims else 1
         for name, label in space.labels.items():
             columns[name] = np.array([label[k] for k in inside // of_row]) if np.ndim(label) else label
@@ -580,13 +572,9 @@ class SearchRequest:
         moved = {name: values if np.ndim(values) else values[()] for name, values in moved.items()}
         places = {dim: np.searchsorted(self.along[dim], refined[dim].values) for dim in places}
         result = self.rows(moved, places, names, verify)
-        added = [
-            str(n) for n in refined.data_vars if str(n).endswith(f"_{GAIN}") or n in (REFINEMENT, STARTS)
-        ]
-        result = result.assign({name: refined[name].variable for name in added})
+        added = refined.drop_vars([name for name in refined.variables if name in result.variables])
         result.attrs["selection"] = refined.attrs["selection"]
-        texts = [name for name in (ACTIVE, MISSED) if name in refined.coords]
-        return result.assign_coords({name: refined[name].variable for name in texts})
+        return result.assign(added.data_vars).assign_coords(added.coords)
 
     def of_part(self, stream: Stream, kept: Kept, of: PartOfMap, about: Mapping[str, Any]) -> xr.Dataset:
         """Return the rows that a part keeps as a map, not refined; where there is none its first row stands there."""
@@ -612,7 +600,7 @@ class SearchRequest:
         about = {
             "environment": environment().hex(),
             "quantities": self.quantities,
-            "asked": self.asked | {"refine": self.only if self.only else self.only is not None},
+            "asked": self.asked,
             "options": options,
             "columns": list(columns),
             "rows_of_design": stream.rows_of_design,
@@ -657,7 +645,7 @@ def labels_of(resolved: ResolvedSweep) -> xr.Dataset:
     columns = {name: np.asarray(values) for name, values in space.columns.items()}
     one = replace(resolved, space=replace(space, columns=columns, labels={}), scaling_axis=None)
     arrays = [np.zeros_like(array) for array in allocated(one.shapes, 1)]
-    return labels.labelled(one, labels.variables_of(one), arrays, {})
+    return labels.labelled(one, labels.variables(one), arrays, {})
 
 
 def write(path: Path, found: xr.Dataset, fingerprint: str, made: str, **options: Any) -> None:
@@ -780,29 +768,27 @@ def search(
     run |= {"threads": threads, "cluster": checked["client"], "of": of}
     if to is None:
         return found_by(request, **run)[0]
-    ways: dict[str, Any] = {"overwrite": overwrite, "of": of, "made": f"search {request.resolved.mechanism}"}
+    ways: dict[str, Any] = {"overwrite": overwrite, "made": f"search {request.resolved.mechanism}"}
+    about = request.about() | (of.attrs() if of else {})
 
     def found(path: Path) -> tuple[xr.Dataset, xr.Dataset | None]:
         return found_by(request, path=path, restart=restart, **run)
 
-    return to_file(checked["to"], request, found, restart=restart, **ways)
+    return to_file(checked["to"], about, (of or request).fingerprint, found, restart=restart, **ways)
 
 
 def to_file(
     to: Path,
-    request: SearchRequest,
+    about: Mapping[str, Any],
+    fingerprint: str,
     found: Callable[[Path], tuple[xr.Dataset, xr.Dataset | None]],
     *,
     made: str,
     overwrite: bool,
     restart: bool,
-    of: PartOfMap | None = None,
     parts: Sequence[PartFile] = (),
 ) -> xr.Dataset:
     """Write the result of a search, and open it; one that is there already is opened as it is."""
-    about, fingerprint = request.about(), request.fingerprint
-    if of is not None:
-        about, fingerprint = about | of.attrs(), of.fingerprint
     if not overwrite:
         finished = finished_map(to, fingerprint, verified=0, attrs=about)
         if finished is not None:
@@ -817,7 +803,7 @@ def to_file(
     return open_map(path)
 
 
-def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[SearchRequest, list[Kept], Any]:
+def request_of_parts(parts: Sequence[PartFile], own: Any) -> tuple[SearchRequest, list[Kept], Any]:
     """Return the search that parts make together, what each has kept, and how many designs are verified.
 
     Its designs are those that were kept, which know their numbers among all.
@@ -831,7 +817,7 @@ def request_of_parts(parts: Sequence[PartFile], own: Any = None) -> tuple[Search
         raise InputError(what, ("paths",), "join with the version that has searched the parts")
     mechanism, text = mechanism_of_map(attrs), str(attrs.get("own_quantities", ""))
     if own is not None:
-        mechanism = check_declared(("mechanism",), own, mechanism, text)  # type: ignore[assignment]
+        mechanism = check_declared(own, mechanism, text)  # type: ignore[assignment]
     elif text:
         raise own_refused(("mechanism",), declared_names(text)[0])
     kept, numbers, columns = list[Kept](), list[Any](), dict[str, list[Any]]()
@@ -894,8 +880,8 @@ def request_of(
     options |= {"extrema": None if chosen == "refined" else chosen, "threads": None}
     options |= angles_of(resolved.catalogue, resolved.positions, ARC in resolved.plan.variants)
     wanted = tuple(dict.fromkeys([*others, *names]))
-    about = choice_asked, choice, labels, space.size, space.attrs
-    request = SearchRequest(mechanism, resolved, options, wanted, only, *about)
+    about = choice_asked | {"refine": asked["refine"]}, choice, labels, space.size, space.attrs
+    request = SearchRequest(mechanism, resolved, options, wanted, *about)
     if only is not None:
         spans = asked.get("spans")
         request.spans = spans or spans_of_space(resolved.catalogue, space, bounds, only)
@@ -1078,4 +1064,8 @@ def _joined_search(
     about["designs_per_second"] = request.size / about["run_time_s"]
     how: dict[str, Any] = {"verify": DESIGNS if verify is None else verify, "progress": progress}
     ways |= {"made": f"join {len(parts)} parts of a search", "parts": parts}
-    return to_file(to, request, lambda path: (finished(request, stream, kept, about, **how), None), **ways)
+
+    def result(path: Path) -> tuple[xr.Dataset, None]:
+        return finished(request, stream, kept, about, **how), None
+
+    return to_file(to, request.about(), request.fingerprint, result, **ways)

@@ -174,6 +174,7 @@ def evaluate(
     if not problems.noted:
         recipe = problems.attempt(_recipe, catalogue, version, names, given)
     problems.stop()
+    tables, steps = recipe
     template, arrays, shape = broadcast_inputs("evaluate", values)
     theta = arrays.pop(catalogue.position.name)
     if catalogue.position.units == RADIANS:
@@ -181,16 +182,16 @@ def evaluate(
     if "radius" in arrays:
         lengths = [name for name, one in given.declared.items() if one.units == "m" and name in arrays]
         remark_on_lengths({name: float(np.max(abs(arrays[name]))) for name in lengths}, "evaluate")
-    tabled = angle_tables(catalogue, recipe.tables, np.ravel(theta))
-    arrays |= zip(recipe.tables, tabled.reshape(len(recipe.tables), *np.shape(theta)), strict=True)
+    tabled = angle_tables(catalogue, tables, np.ravel(theta))
+    arrays |= zip(tables, tabled.reshape(len(tables), *np.shape(theta)), strict=True)
     far = any_beyond_range(given.declared, arrays) if allow_invalid else np.False_
     if far.any():
         arrays |= {
             name: np.where(far, np.nan, value) for name, value in arrays.items() if name in given.declared
         }
-    evaluate_on_doubles(recipe.steps, arrays)
+    evaluate_on_doubles(steps, arrays)
     if allow_invalid:
-        _leave_gaps(recipe.steps, arrays)
+        _leave_gaps(steps, arrays)
     if far.any() and (flag := request.flag_beyond_range(catalogue, names)):
         arrays["status"] = np.where(far, flag[1], arrays["status"])
     if template is None and not shape:
@@ -198,7 +199,8 @@ def evaluate(
     results = {name: np.broadcast_to(arrays[name], shape) for name in names}
     if template is not None:
         labels = _labels(catalogue, version, names)
-        return {name: _labelled(template, name, results[name], labels[name]) for name in names}
+        labelled = {name: template.copy(data=np.array(results[name])).rename(name) for name in names}
+        return {name: result.assign_attrs(labels[name]) for name, result in labelled.items()}
     return {name: value[()] for name, value in results.items()}
 
 
@@ -219,16 +221,6 @@ class _Given:
     defaults: dict[str, np.float64]
     #: Unknown names, and a missing input position.
     problems: list[Problem]
-
-
-@dataclass(frozen=True)
-class _Recipe:
-    """The steps from given inputs to quantities; to resolve takes longer than to run."""
-
-    #: The functions of the input position that are read.
-    tables: tuple[str, ...]
-    #: Everything that is computed, in order.
-    steps: tuple[Fact | System, ...]
 
 
 @lru_cache(maxsize=256)
@@ -277,7 +269,10 @@ def _check_quantities(catalogue: Catalogue, version: int, names: tuple[str, ...]
 
 
 @lru_cache(maxsize=256)
-def _recipe(catalogue: Catalogue, version: int, names: tuple[str, ...], given: _Given) -> _Recipe:
+def _recipe(
+    catalogue: Catalogue, version: int, names: tuple[str, ...], given: _Given
+) -> tuple[tuple[str, ...], tuple[Fact | System, ...]]:
+    """Return the functions of the input position that are read, and all steps; to resolve takes longer than to run."""
     position = catalogue.position.name
     tables = (position, *catalogue.tables, *catalogue.table_low_parts)
     try:
@@ -289,7 +284,7 @@ def _recipe(catalogue: Catalogue, version: int, names: tuple[str, ...], given: _
             missing |= {one.where: one for one in absent if one.where not in missing}
         raise InputError.of(request.joined_missing(missing.values())) if missing else error from None
     read = {*names, *(need for step in steps for need in step.depends_on)}
-    return _Recipe(tuple(name for name in tables if name in read), steps)
+    return tuple(name for name in tables if name in read), steps
 
 
 @lru_cache(maxsize=256)
@@ -302,13 +297,6 @@ def _labels(catalogue: Catalogue, version: int, names: tuple[str, ...]) -> dict[
         if catalogue.public_fact(name).flags:
             del labels[name]["units"]  # of a code
     return labels
-
-
-def _labelled(template: Any, name: str, values: Any, labels: dict[str, Any]) -> Any:
-    """Return a quantity as a DataArray."""
-    result = template.copy(data=np.array(values)).rename(name)
-    result.attrs = dict(labels)
-    return result
 
 
 def _branches(catalogue: Catalogue, branch: Any, allow_invalid: bool) -> Any:

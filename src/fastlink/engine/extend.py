@@ -226,16 +226,16 @@ def own_refused(where: KeyPath, name: str) -> InputError:
     return InputError(what, where, ("write ", Setting("mechanism", _Mine()), ", with which the map was made"))
 
 
-def check_declared(where: KeyPath, given: Any, mechanism: str, text: str) -> Extension:
+def check_declared(given: Any, mechanism: str, text: str) -> Extension:
     """Return the extension by which a map was made, or refuse another one."""
     if not isinstance(given, Extension):
         remedy = "give what fastlink.extend returned"
-        raise InputError(f"is {short_repr(given)}, not an extended mechanism", where, remedy)
+        raise InputError(f"is {short_repr(given)}, not an extended mechanism", ("mechanism",), remedy)
     catalogue = given.catalogue()
     names = declarations.declared_names(text)
     if given.mechanism != mechanism or (
         text and declarations.definition_text(mechanism, declarations.used(catalogue, (), names)) != text
     ):
         what = f"is {short_repr(given)}, and the map is of {mechanism} with other declarations"
-        raise InputError(what, where, "give the extension by which it was made")
+        raise InputError(what, ("mechanism",), "give the extension by which it was made")
     return given

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
 import threading
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property, partial
 from inspect import signature
@@ -22,7 +23,7 @@ from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.derivative import NoDependence, is_tolerance
 from fastlink.facts.fact import Input
 from fastlink.facts.names import Derivative, GradientStatus, Reduced, derivative_name
-from fastlink.facts.powers import beyond_range
+from fastlink.facts.powers import any_beyond_range, beyond_range
 from fastlink.machine import check_memory
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics.compiler import MOVING, NOTHING
@@ -97,23 +98,16 @@ def axes_of(outputs: Sequence[Output]) -> tuple[str, ...]:
 NONE = (MOVING, NOTHING)
 
 
-@dataclass
-class _Wanted:
-    """Quantities of which derivatives are made, each with the numbers of the output and of the input."""
+def _wanted(
+    resolved: ResolvedSweep, inputs: Sequence[str]
+) -> tuple[dict[str, tuple[int, int]], dict[str, list[tuple[int, int]]]]:
+    """Return what the derivatives are made of, each with the numbers of outputs and inputs.
 
-    #: The derivatives.
-    by_name: dict[str, tuple[int, int]] = field(default_factory=dict)
-    #: Outputs that do not depend on inputs, NaN where that has no derivative: the outputs themselves, or
-    #: `statuses`.
-    zero_unless: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
-    #: Those that are the status of derivatives.
-    statuses: set[str] = field(default_factory=set)
-
-
-def _wanted(resolved: ResolvedSweep, inputs: Sequence[str]) -> _Wanted:
-    """Return what the derivatives of the outputs by the inputs are made of."""
+    First the derivatives; then, of outputs that do not depend on inputs, what tells where there is none: they
+    themselves, by NaN, or the status of their derivatives.
+    """
     catalogue, variants, given = resolved.catalogue, resolved.plan.variants, resolved.space.names
-    wanted = _Wanted()
+    by_name, zero_unless = dict[str, tuple[int, int]](), dict[str, list[tuple[int, int]]]()
     problems = Problems()
     for j, by in enumerate(inputs):
         if is_tolerance(by):
@@ -135,13 +129,11 @@ def _wanted(resolved: ResolvedSweep, inputs: Sequence[str]) -> _Wanted:
                 except NoDependence:
                     moves = catalogue.selection(variants, given).moves(of, by)
                     if not (output.refined and moves):
-                        test = _none_of(output, moves)
-                        wanted.statuses.update({test} - {output.name})
-                        wanted.zero_unless.setdefault(test, []).append((k, j))
+                        zero_unless.setdefault(_none_of(output, moves), []).append((k, j))
                         continue
-                wanted.by_name[name] = k, j
+                by_name[name] = k, j
     problems.stop()
-    return wanted
+    return by_name, zero_unless
 
 
 def _none_of(output: Output, moves: bool) -> str:
@@ -286,7 +278,7 @@ class Function(Suggesting):
         self._shapes = [
             tuple(lengths[axis] if axis in output.axes else 1 for axis in axes) for output in plan.outputs
         ]
-        known = resolved.catalogue.known_inputs(plan.variants)
+        known = self._known = resolved.catalogue.known_inputs(plan.variants)
         #: The inputs by their own names; by what rows in other units are multiplied, none where all are in SI.
         self._names = [split(name, known)[0] for name in self.inputs]
         self._factors = [factor for factor in factors if set(factors) - {1}]
@@ -311,21 +303,16 @@ class Function(Suggesting):
         doubles = given.size + math.prod((given.size // len(self.inputs), len(self.quantities), *self.shape))
         check_memory(8 * doubles, "the result", where=("function", "x"), remedy="pass fewer designs at once")
         flat = given.reshape(len(self.inputs), -1)
-        far = np.zeros(flat.shape[1], dtype=bool)
-        for declared, row in zip(self._declared, flat, strict=True):
-            far |= beyond_range(declared, row)
+        far = any_beyond_range(self._known, dict(zip(self._names, flat, strict=True)))
         if far.any():
             flat = np.where(far, np.nan, flat)
         result = np.empty((len(self.quantities), flat.shape[1], *self.shape))
         for start in range(0, flat.shape[1], self._block):
             block = slice(start, start + self._block)
             self._evaluate_block(flat[:, block], result[:, block], *bound)
-        bad = np.zeros(flat.shape[1], dtype=bool)
-        for declared, row in zip(self._declared, flat, strict=True):
-            bad |= ~declared.allows(row)
-        if bad.any():
-            for k in self._numbers:
-                result[k, bad] = np.nan
+        good = np.all(list(map(Input.allows, self._declared, flat)), axis=0)
+        for k in self._numbers if not good.all() else ():
+            result[k, ~good] = np.nan
         if far.any() and self._flag is not None:
             result[self._flag[0], far] = self._flag[1]
         return result.reshape(len(self.quantities), *given.shape[1:], *self.shape)
@@ -365,13 +352,13 @@ class Function(Suggesting):
         array([[  7.846495, -17.870504]])
         """
         rows = self._rows(x)
-        function, wanted = self._derivatives
+        function, by_name, zero_unless = self._derivatives
         result = np.zeros((len(self.quantities), len(self.inputs), *rows.shape[1:], *self.shape))
         found = dict(zip(function.quantities, function(x), strict=True))
-        for name, place in wanted.by_name.items():
+        for name, place in by_name.items():
             result[place] = scaled(found[name], self._factors[place[1]]) if self._factors else found[name]
-        for name, places in wanted.zero_unless.items():
-            none = np.isin(found[name], NONE) if name in wanted.statuses else np.isnan(found[name])
+        for name, places in zero_unless.items():
+            none = np.isnan(found[name]) if name in self.quantities else np.isin(found[name], NONE)
             for place in places:
                 result[place] = np.where(none, np.nan, 0.0)
         return result
@@ -386,10 +373,10 @@ class Function(Suggesting):
         return ()
 
     @cached_property
-    def _derivatives(self) -> tuple[Function, _Wanted]:
+    def _derivatives(self) -> tuple[Function, Any, Any]:
         """The function that gives what derivatives are made of, and what that is."""
         wanted = _wanted(self._resolved, self._names)
-        return self._recipe(list(dict.fromkeys((*wanted.by_name, *wanted.zero_unless)))), wanted
+        return self._recipe(list(dict.fromkeys(itertools.chain(*wanted)))), *wanted
 
     def _rows(self, x: ArrayLike) -> NDArray[np.float64]:
         """Return the argument as an array with a row for each input."""

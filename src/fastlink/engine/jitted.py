@@ -209,14 +209,7 @@ def jitted_of(
     allowed = np.full((len(declared), max(longest, 1)), np.nan)
     for row, known in zip(allowed, declared, strict=True):
         row[: len(known.choices)] = list(known.choices)
-    jitted = _entry(data, rules, allowed, (len(shapes), *trailing))
-    jitted.kept = runner  # their arrays of angles, whose addresses stand in the tables
-    return jitted
-
-
-def _entry(data: Any, rules: Any, codes: Any, shape: tuple[int, ...]) -> Any:
-    inputs, values = len(rules), math.prod(shape[1:])
-    outputs, trailing = shape[0], shape[1:]
+    inputs, outputs, values = len(rules), len(shapes), math.prod(trailing)
 
     def call(x: Any) -> Any:
         count = 1 if x.ndim == 1 else x.shape[1]
@@ -226,8 +219,10 @@ def _entry(data: Any, rules: Any, codes: Any, shape: tuple[int, ...]) -> Any:
         for row in range(inputs):
             for i in range(count):
                 given[row, i] = x[row] if x.ndim == 1 else x[row, i]
-        y = np.empty(shape if x.ndim == 1 else (outputs, count, *trailing))
-        evaluate(given, np.int64(y.ctypes.data), values, data, rules, codes)
+        y = np.empty((outputs, *trailing) if x.ndim == 1 else (outputs, count, *trailing))
+        evaluate(given, np.int64(y.ctypes.data), values, data, rules, allowed)
         return y
 
-    return numba.njit(**OPTIONS)(call)
+    jitted = numba.njit(**OPTIONS)(call)
+    jitted.kept = runner  # their arrays of angles, whose addresses stand in the tables
+    return jitted

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fastlink._text import __version__, counted, version
-from fastlink.engine.resolve import ResolvedSweep, axis_lengths
+from fastlink.engine.resolve import ResolvedSweep
 from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.derivative import in_a_sentence, worded
@@ -28,38 +28,29 @@ from fastlink.mechanisms import sheet_of
 from fastlink.plan.programs import Output, Plan
 from fastlink.plan.query import STATUS_FLAGS, Request, units_of
 from fastlink.space.design_space import BRANCH, EXTREMUM, Column, DesignSpace, frozen
-from fastlink.space.tables import CURVES, MAPS
+from fastlink.space.tables import MAPS
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
 
-def variables(
-    plan: Plan, space: DesignSpace, positions: int, *, one_branch: bool = False, layout: str = CURVES
-) -> list[Variable]:
-    """Return the results with dimensions and attributes, for a number of positions."""
-    # Where the branch was given as a scalar (`one_branch`), it is a coordinate and not a dimension.
-    lengths = axis_lengths(plan, positions)
-    dropped = (BRANCH,) if one_branch else ()
-    axes = [tuple(axis for axis in output.axes if axis not in dropped) for output in plan.outputs]
+def variables(resolved: ResolvedSweep) -> list[Variable]:
+    """Return the results with dimensions and attributes."""
+    plan, space, lengths = resolved.plan, resolved.space, resolved.lengths
+    # where the branch was given as a scalar, it is a coordinate and not a dimension
+    dropped = (BRANCH,) if resolved.one_branch else ()
     swept = list(zip(space.dims, space.shape, strict=True))
     results = []
-    for output, names in zip(plan.outputs, axes, strict=True):
-        own = [(axis, lengths[axis]) for axis in names]
-        leading = len(own) if layout == MAPS and swept else 0
+    for output in plan.outputs:
+        own = [(axis, lengths[axis]) for axis in output.axes if axis not in dropped]
+        leading = len(own) if resolved.layout == MAPS and swept else 0
         dims, shape = (
             zip(*(own + swept if leading else swept + own), strict=True) if swept or own else ((), ())
         )
         dtype, attrs = np.dtype(output.dtype), dict(_labels(plan, output))
         results.append(Variable(output.name, dims, shape, dtype, attrs, leading))
     return results
-
-
-def variables_of(resolved: ResolvedSweep) -> list[Variable]:
-    """Return the results of a resolved sweep with dimensions and attributes."""
-    plan, space, positions = resolved.plan, resolved.space, resolved.positions.size
-    return variables(plan, space, positions, one_branch=resolved.one_branch, layout=resolved.layout)
 
 
 def request_labels(catalogue: Catalogue, request: Request) -> dict[str, Any]:
@@ -152,48 +143,34 @@ def _of_list(part: str, fact: Fact, position: Input) -> dict[str, Any]:
     }
 
 
-def sweep_coordinates(
-    plan: Plan,
-    space: DesignSpace,
-    positions: NDArray[Any],
-    *,
-    one_branch: bool = False,
-    left_out: Collection[str] = (),
-) -> xr.Dataset:
-    """Return a Dataset with the coordinates of a sweep; `one_branch` as for `variables`."""
+def coordinates_of(resolved: ResolvedSweep, left_out: Collection[str] = ()) -> xr.Dataset:
+    """Return a Dataset with the coordinates of a sweep."""
     # Those that are left out are written block by block, see `computed`.
-    catalogue: Catalogue = plan.catalogue
+    plan, space, catalogue = resolved.plan, resolved.space, resolved.catalogue
     used = {axis for output in plan.outputs for axis in output.axes}
     further: dict[str, Any] = {}
     if BRANCH in used:
         meanings = "; ".join(f"{branch}: {meaning}" for branch, meaning in catalogue.branches.items())
         labels = {"long_name": "assembly mode", "comment": meanings}
         modes = frozen(np.array(plan.branches, dtype=np.int32))
-        further[BRANCH] = ((), modes[0], labels) if one_branch else ((BRANCH,), modes, labels)
+        further[BRANCH] = ((), modes[0], labels) if resolved.one_branch else ((BRANCH,), modes, labels)
     if EXTREMUM in used:
         labels = {"long_name": f"number of the extreme, by growing {catalogue.position.name}"}
         further[EXTREMUM] = ((EXTREMUM,), frozen(np.arange(1, plan.extrema_kept + 1, dtype=np.int32)), labels)
     position = catalogue.position
     if position.name in used:
-        further[position.name] = ((position.name,), positions, _describe(position, space))
-    return coordinates(space, _described(plan, space), further, left_out)
+        further[position.name] = ((position.name,), resolved.positions, _describe(position, space))
+    return coordinates(space, _described(resolved), further, left_out)
 
 
-def computed(plan: Plan, space: DesignSpace) -> list[tuple[Variable, Column]]:
+def computed(resolved: ResolvedSweep) -> list[tuple[Variable, Column]]:
     """Return the coordinates of a sweep that are computed where they are looked at, with their labels."""
-    return computed_coordinates(space, _described(plan, space))
+    return computed_coordinates(resolved.space, _described(resolved))
 
 
-def _described(plan: Plan, space: DesignSpace) -> dict[str, dict[str, Any]]:
-    known = plan.catalogue.known_inputs(plan.variants)
+def _described(resolved: ResolvedSweep) -> dict[str, dict[str, Any]]:
+    known, space = resolved.catalogue.known_inputs(resolved.plan.variants), resolved.space
     return {name: _describe(known[name], space) for name in space.names}
-
-
-def coordinates_of(resolved: ResolvedSweep, left_out: Collection[str] = ()) -> xr.Dataset:
-    """Return a Dataset with the coordinates of a resolved sweep."""
-    plan, positions = resolved.plan, resolved.positions
-    ways: dict[str, Any] = {"one_branch": resolved.one_branch, "left_out": left_out}
-    return sweep_coordinates(plan, resolved.space, positions, **ways)
 
 
 def labelled(
@@ -205,16 +182,15 @@ def labelled(
     """Return the labelled Dataset of a sweep that stays in memory."""
     # That of one design is a copy of the last one of its kind: 0.1 ms, where xarray takes 0.8 ms to make it
     # anew, more than all the rest of such a sweep.
-    plan, space, positions = resolved.plan, resolved.space, resolved.positions
-    one_branch = resolved.one_branch
+    plan, space = resolved.plan, resolved.space
     data = {
         variable.name: variable.arranged(array) for variable, array in zip(variables, arrays, strict=True)
     }
     if space.dims or space.labels or space.comments:
         return assemble(coordinates_of(resolved), variables, data, attrs)
     used = any(plan.catalogue.position.name in output.axes for output in plan.outputs)
-    kind = tuple(space.constants), tuple(space.attrs.items()), positions.tobytes() if used else b""
-    dataset = _blank(plan, *kind, one_branch).copy(deep=False, data=data)
+    kind = tuple(space.constants), tuple(space.attrs.items()), resolved.positions.tobytes() if used else b""
+    dataset = _blank(plan, *kind, resolved.one_branch).copy(deep=False, data=data)
     for name, value in space.constants.items():
         constant = dataset.variables[name]
         data, constant.attrs = of_code(value, constant.attrs)
@@ -233,10 +209,10 @@ def _blank(
     known = plan.catalogue.known_inputs(plan.variants)
     some = {name: float(min(known[name].choices or (0,))) for name in names}
     space = DesignSpace("grid", (), (), some, attrs=dict(attrs))
-    angles = np.frombuffer(positions)
-    results = variables(plan, space, angles.size, one_branch=one_branch)
+    resolved = ResolvedSweep("", space, plan, np.frombuffer(positions), "", None, "", one_branch)
+    results = variables(resolved)
     values = {variable.name: np.empty(variable.shape, variable.dtype) for variable in results}
-    return assemble(sweep_coordinates(plan, space, angles, one_branch=one_branch), results, values, {})
+    return assemble(coordinates_of(resolved), results, values, {})
 
 
 def global_attrs(resolved: ResolvedSweep, threads: int) -> dict[str, Any]:

@@ -27,7 +27,7 @@ from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.mechanisms import name_of
 from fastlink.plan import request
 from fastlink.plan.programs import ANGLES_FOR_LANES, Plan, all_declared, make_plan
-from fastlink.plan.query import Extrema, check_names, parse_request, with_companions
+from fastlink.plan.query import check_names, parse_request, with_companions
 from fastlink.space.design_space import EXTREMUM, definition_of, in_unit, numbers_of
 from fastlink.space.tables import CURVES, as_space
 from fastlink.space.units import check_unit, comment, in_words, named_with_unit, scaled, split
@@ -54,34 +54,6 @@ def of_request(call: Mapping[str, Any]) -> dict[str, Any]:
     return {name: call[name] for name in OF_REQUEST if name in call}
 
 
-@dataclass(frozen=True, eq=False)
-class CheckedRequest:
-    """A request whose parts are each without problems."""
-
-    #: The mechanism, as driven by the input.
-    catalogue: Catalogue
-    #: The quantities.
-    names: tuple[str, ...]
-    #: The model of the links.
-    links: Links | None
-    #: How reactions are computed.
-    solver: str
-    #: The selected sets of facts.
-    variants: tuple[str, ...]
-    #: Branches.
-    branches: tuple[int, ...]
-    #: Input positions.
-    positions: NDArray[Any]
-    #: How extremes are computed.
-    extrema: Extrema
-    #: What compiles the kernels.
-    backend: str
-    #: See `all_declared`.
-    declared: tuple[Any, ...]
-    #: The unit in which the input positions were given, if not that of SI.
-    unit: str
-
-
 def check(
     mechanism: str | Extension,
     space: DesignSpace | None,
@@ -98,14 +70,17 @@ def check(
     allow_invalid: bool = False,
     backend: str | None = None,
     companions: bool = True,
-) -> CheckedRequest:
-    """Check each part of a request; all problems are raised together."""
+) -> tuple[Any, ...]:
+    """Check each part of a request; all problems are raised together.
+
+    Return the names of all results, variants, branches, input positions, how extremes are found, the compiler, and the
+    unit in which positions were given, if not that of SI.
+    """
     catalogue, problems = find_catalogue(mechanism, input), Problems()
-    declared = all_declared(catalogue)
     names: tuple[str, ...] = ()
     with problems.at():
         names = check_names("quantities", quantities)
-        _check_quantities(catalogue, declared, names)
+        _check_quantities(catalogue, names)
         names = names if "status" in names or not companions else (*names, "status")
     problems.attempt(request.check_model, catalogue, links, solver)
     variants = request.selected_variants(catalogue, links, solver, () if space is None else space.names)
@@ -125,13 +100,14 @@ def check(
         method = request.check_extrema(extrema, catalogue, given, () if problems.noted else names)
     compiler = problems.attempt(backend_of, backend)
     problems.stop()
-    parts = catalogue, names, links, solver, variants, branches, values, method, compiler, declared
-    return CheckedRequest(*parts, unit=split(key, (catalogue.position.name,))[1])
+    unit = split(key, (catalogue.position.name,))[1]
+    return names, variants, branches, values, method, compiler, unit
 
 
 @lru_cache(maxsize=256)
-def _check_quantities(catalogue: Catalogue, declared: tuple[Any, ...], names: tuple[str, ...]) -> None:
+def _check_quantities(catalogue: Catalogue, names: tuple[str, ...]) -> None:
     """Refuse unknown quantities; checked once, since it takes longer than all other checks together (0.15 ms)."""
+    # what is declared later takes no name away, and what was refused is looked at again
     problems = Problems()
     for k, name in enumerate(names):
         with problems.at("quantities", k):
@@ -190,7 +166,8 @@ class ResolvedSweep:
     @property
     def lengths(self) -> dict[str, int]:
         """The length of each axis that a result may have besides the design."""
-        return axis_lengths(self.plan, self.positions.size)
+        plan, position = self.plan, self.catalogue.position.name
+        return {"branch": len(plan.branches), position: self.positions.size, EXTREMUM: plan.extrema_kept}
 
     @property
     def shapes(self) -> Shapes:
@@ -261,12 +238,6 @@ def _of_kernels(kernels: Iterable[Kernel]) -> hashlib._Hash:
     return digest
 
 
-def axis_lengths(plan: Plan, positions: int) -> dict[str, int]:
-    """Return the length of each axis that a result may have besides the design."""
-    position = plan.catalogue.position.name
-    return {"branch": len(plan.branches), position: positions, EXTREMUM: plan.extrema_kept}
-
-
 def resolve(
     mechanism: str | Extension,
     space: Any,
@@ -286,28 +257,28 @@ def resolve(
     checked = problems.attempt(check, mechanism, designs, quantities, **named)
     problems.stop()
     assert designs is not None
-    if checked.unit:
-        comments = {**designs.comments, catalogue.position.name: comment(checked.unit)}
+    assert checked is not None
+    names, variants, branches, angles, extrema, backend, unit = checked
+    if unit:
+        comments = {**designs.comments, catalogue.position.name: comment(unit)}
         designs = replace(designs, comments=comments)
-    space, variants = designs, checked.variants
-    space = space.with_constants(request.constants_of(catalogue, checked.links, variants))
+    space = designs.with_constants(request.constants_of(catalogue, options.get("links"), variants))
     for name, codes in request.all_choices(catalogue, space.names, variants).items():
         space = space.with_axis(name, codes)
-    planning: dict[str, Any] = {"given": space.names, "branches": checked.branches, "variants": variants}
-    planning |= {"angles": checked.positions.size, "extrema": checked.extrema}
+    planning: dict[str, Any] = {"given": space.names, "branches": branches, "variants": variants}
+    planning |= {"angles": angles.size, "extrema": extrema}
     try:
-        plan = cached_plan(catalogue, checked.names, companions, declared=checked.declared, **planning)
+        plan = cached_plan(catalogue, names, companions, **planning)
     except InputError as error:
-        raise (_problem_of_each(checked, planning) or error) from None
+        raise (_problem_of_each(catalogue, names, planning) or error) from None
     if catalogue.definition:  # default values of a user's inputs that nothing computed depends on
         own = {one.name for one in catalogue.definition if getattr(one, "default", None) is not None}
         read = {name for program in plan.programs for name in program.inputs}
         space = without(space, own.intersection(space.constants) - read)
     axis = find_scaling_axis(plan, space)
-    solver = checked.solver if plan.depends_on_solver else ""
+    solver = options.get("solver", ELIMINATED) if plan.depends_on_solver else ""
     one_branch = np.ndim(options.get("branch", 1)) == 0
-    mechanism, ways = name_of(mechanism), (checked.backend, one_branch)
-    return ResolvedSweep(mechanism, space, plan, checked.positions, solver, axis, *ways)
+    return ResolvedSweep(name_of(mechanism), space, plan, angles, solver, axis, backend, one_branch)
 
 
 def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:
@@ -322,13 +293,14 @@ def _space_of(space: Any, allow_invalid: bool) -> DesignSpace:
     return as_space(space, allow_invalid=allow_invalid)
 
 
-def _problem_of_each(checked: CheckedRequest, planning: Mapping[str, Any]) -> InputError | None:
+def _problem_of_each(
+    catalogue: Catalogue, names: Sequence[str], planning: Mapping[str, Any]
+) -> InputError | None:
     """Return every missing input, once, and the other problems of each quantity."""
-    catalogue, problems = checked.catalogue, Problems()
-    missing: dict[KeyPath, Problem] = {}
-    for k, name in enumerate(checked.names):
+    problems, missing = Problems(), dict[KeyPath, Problem]()
+    for k, name in enumerate(names):
         with problems.at("quantities", k):
-            absent = request.missing_inputs(catalogue, name, checked.variants, planning["given"])
+            absent = request.missing_inputs(catalogue, name, planning["variants"], planning["given"])
             missing |= {one.where: one for one in absent if one.where not in missing}
             if not absent:
                 make_plan(catalogue, [name], **planning)
@@ -343,13 +315,12 @@ def cached_plan(
     *,
     given: Iterable[str],
     angles: int,
-    declared: tuple[Any, ...] | None = None,
     **planning: Any,
 ) -> Plan:
     """Return the plan that `make_plan` makes, once; `companions` as in `resolve`."""
     # the number of angles decides no more than what the lanes are
     planning |= {"given": tuple(sorted(given)), "angles": min(angles, ANGLES_FOR_LANES)}
-    return _plan(catalogue, declared or all_declared(catalogue), tuple(names), companions, **planning)
+    return _plan(catalogue, all_declared(catalogue), tuple(names), companions, **planning)
 
 
 @lru_cache(maxsize=256)

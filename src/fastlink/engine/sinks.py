@@ -89,8 +89,8 @@ class StatusCounts:
 class ProgressBar:
     """A progress bar that threads may feed, by default visible on a terminal only."""
 
-    def __init__(self, total: int, visible: bool | None) -> None:
-        self.bar = progress_bar(total, " designs", visible)
+    def __init__(self, total: int, visible: bool | None, what: str = " designs") -> None:
+        self.bar = progress_bar(total, what, visible)
         self.lock = threading.Lock()
 
     def take(self, start: int, stop: int, arrays: list[NDArray[Any]]) -> None:

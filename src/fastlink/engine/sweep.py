@@ -41,11 +41,6 @@ if TYPE_CHECKING:
 # -- The designs of a part of a sweep, and what it keeps of the whole
 
 
-def consecutive(space: DesignSpace, start: int, stop: int) -> DesignSpace:
-    """Return designs ``start`` to ``stop - 1`` of a space along the one dimension ``design``."""
-    return replace(space.consecutive(start, stop), attrs=space.attrs)
-
-
 def whole_coordinates(resolved: ResolvedSweep, start: int, stop: int) -> xr.Dataset:
     """Return what a part of a sweep does not tell itself of the coordinates of the whole map."""
     # These are its axes; the numbers that a table gives its designs, of those with rows in the part, where
@@ -56,8 +51,9 @@ def whole_coordinates(resolved: ResolvedSweep, start: int, stop: int) -> xr.Data
     if shared > 1 and not isinstance(number := space.labels.get(DESIGN), (Counted, type(None))):
         own[DESIGN] = part_of(number, 1, start // shared, -(-stop // shared))
         dims = {DESIGN: len(own[DESIGN]), **dims}
-    kept = {"dims": tuple(dims), "shape": tuple(dims.values()), "columns": {}, "constants": {}, "labels": own}
-    coords = labels.sweep_coordinates(resolved.plan, replace(space, **kept), resolved.positions)  # type: ignore[arg-type]
+    dims_shape: dict[str, Any] = {"dims": tuple(dims), "shape": tuple(dims.values())}
+    kept = replace(space, **dims_shape, columns={}, constants={}, labels=own)
+    coords = labels.coordinates_of(replace(resolved, space=kept))
     coords = coords.drop_vars([name for name in coords.coords if name not in (*space.axes, *own)])
     coords.attrs = {"dims": " ".join(space.dims), **({"shape": np.array(space.shape)} if space.dims else {})}
     return coords
@@ -92,15 +88,16 @@ class Evaluation:
         if part is not None:
             self.part = PartOfMap(part, self.fingerprint, resolved.space.size)
             self.range, self.attrs = self.part.range, self.attrs | self.part.attrs()
-            resolved = replace(resolved, space=consecutive(resolved.space, *self.range))
+            space = resolved.space.consecutive(*self.range)
+            resolved = replace(resolved, space=replace(space, attrs=resolved.space.attrs))
         plan, space, positions = resolved.plan, resolved.space, resolved.positions
-        self.variables = labels.variables_of(resolved)
+        self.variables = labels.variables(resolved)
         if in_memory:  # there values stay as they are computed, and only dimensions change places
             resolved = replace(resolved, layout=CURVES)
         #: The same of the designs of the part, which label the results.
         self.resolved, self.threads, self.block = resolved, threads, block
         #: Coordinates that are computed block by block, beside the results.
-        self.columns = labels.computed(plan, space)
+        self.columns = labels.computed(resolved)
         self.nbytes = sum(variable.nbytes for variable in (self.variables if in_memory else self._written))
         sinks.check_needs(resolved, threads, block, verify, self.nbytes if in_memory else 0)
         self.counts = sinks.StatusCounts(plan)
@@ -116,7 +113,7 @@ class Evaluation:
             for name, value in plain_attrs(self.attrs).items()
             if name != "threads"
         }
-        about = self.whole.fingerprint, rest, labels.variables_of(self.whole)
+        about = self.whole.fingerprint, rest, labels.variables(self.whole)
         return hashlib.sha256(repr(about).encode()).hexdigest()
 
     def finished(self, to: str | Path) -> xr.Dataset | None:

@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,13 +21,14 @@ from scipy.optimize import minimize
 
 from fastlink._text import counted, joined, short_number, short_repr
 from fastlink.codegen.cache import environment
+from fastlink.design.refine import constraint
 from fastlink.design.search import Unfinished, names_searched, to_file
 from fastlink.engine.evaluate import evaluate
 from fastlink.engine.function import function
 from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, Problems, Setting, check_switch, check_whole, door, remark
 from fastlink.facts.catalogue import Catalogue
-from fastlink.maps.best import Choice, choice_of, chosen, with_missed
+from fastlink.maps.best import Choice, Condition, choice_of, chosen, with_missed
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import check_names
 from fastlink.space.design_space import DESIGN
@@ -141,12 +142,9 @@ def judged(found: Linkages, closed: bool, timed: bool) -> Linkages:
     if timed:
         order, theta = np.ones(len(n), dtype=np.int64), found.theta
     transmission, dead = paths.transmission(a1, a2, a3, a4, theta, closed, slider)
-    code = np.zeros(len(n), dtype=np.int8)
-    wrong = ((5, closed & ~turns), (4, dead), (3, order == 0), (2, branch_defect), (1, circuit_defect))
-    for number, rows in wrong:
-        code[rows] = number
+    wrong = [circuit_defect, branch_defect, order == 0, dead, closed & ~turns]
     own = {
-        "defect": code,
+        "defect": np.select(wrong, [1, 2, 3, 4, 5]).astype(np.int8),
         "order": order.astype(np.int8),
         "circuit": np.where(grashof & (first[:, 0] > 0), 2, 1).astype(np.int8),
         USED: np.where(dead, 0.0, transmission),
@@ -446,14 +444,37 @@ class Solved:
     maximise: str = ""
     #: Whether linkages with defects are told too, after the others.
     with_defects: bool = False
-    #: Of paths and motions: their size; how far a linkage is off, by its row; how many numbers are free; whether the
-    #: crank is to turn; linkages of arrays; others that do the task exactly, from changed ones.
-    size: float = 1.0
-    fit: Any = None
-    unknowns: int = 9
-    crank: bool = False
-    linkages: Callable[..., Linkages] = Linkages
-    varied: Any = None
+    #: The path or the motion, where linkages are to be refined within conditions; of functions, what finds them again.
+    path: Any = None
+    again: Any = None
+
+    @property
+    def size(self) -> float:
+        """The size of a path or a motion."""
+        of = self.path
+        return float(np.sqrt(of.size / len(of.target))) if of.angles is None else of.extent
+
+    def changed(self, numbers: Floats, theta: Floats, side: Floats, body: Any = None) -> Linkages:
+        """Return linkages for a path or a motion, from others that were changed: those within their limits."""
+        of, count = self.path, len(numbers)
+        more: dict[str, Any] = {}
+        if of.angles is not None:
+            more["body_angle"] = numbers[:, 9].copy() if body is None else body
+            numbers[:, 9] = 0.0
+        elif of.times is not None:
+            theta = numbers[:, 9:] + of.times
+        else:
+            more = {"cognate": np.ones(count, dtype=np.int8), "curve": np.arange(count)}
+        made = self.asked.within(Linkages(numbers, theta, side, None, more, self.asked.slider))
+        return _come_back(made) if self.found.theta.shape[1] > len(of.target) else made
+
+    def varied(self, some: Linkages, change: float, rng: Any) -> Linkages:
+        """Return linkages that do a task exactly, near others: these are changed at random and made exact again."""
+        of, count = self.path, len(self.path.target)
+        if of.angles is not None:
+            return self.changed(*poses.varied(of, some.pins(), change, rng))
+        made = paths.varied(of, some.numbers, some.theta[:, :count], some.side[:, 0], change, rng)
+        return self.changed(made.numbers, made.theta, np.repeat(made.signs[:, :1], count, axis=1))
 
 
 def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any) -> Solved:
@@ -533,28 +554,8 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
     if times is not None:
         attrs["timing"] = "crank angles, but for a phase"
     least = "ordered_distance" if task.is_whole else "path_error"
-    solved_path = Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact)
-    if asked.exact:
-        return solved_path
-    count = len(target)
-
-    def linkages(numbers: Floats, theta: Floats, side: Floats) -> Linkages:
-        curves = np.arange(len(numbers))
-        more = {"cognate": np.ones_like(curves, dtype=np.int8), "curve": curves}
-        if times is not None:
-            theta, more = numbers[:, 9:] + times, {}
-        made = asked.within(Linkages(numbers, theta, side, None, more, slider))
-        return _come_back(made) if found.theta.shape[1] > count else made
-
-    def varied(some: Linkages, change: float, rng: Any) -> Linkages:
-        made = paths.varied(task, some.numbers, some.theta[:, :count], some.side[:, 0], change, rng)
-        return linkages(made.numbers, made.theta, np.repeat(made.signs[:, :1], count, axis=1))
-
-    def fit(row: int) -> paths.Fit:
-        return paths.Fit(task, found.theta[row, :count], float(found.side[row, 0]))
-
-    return replace(solved_path, size=float(np.sqrt(task.size / count)), fit=fit, unknowns=9 + (times is not None),
-                   crank=crank, linkages=linkages, varied=varied)  # fmt: skip
+    of = None if asked.exact else task
+    return Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact, path=of)
 
 
 def _come_back(found: Linkages) -> Linkages:
@@ -578,10 +579,10 @@ def joined_linkages(one: Linkages, other: Linkages) -> Linkages:
     if "curve" in more:
         more["curve"][: len(one)] = more["curve"].max(initial=0) + 1 + np.arange(len(one))
         more["cognate"][: len(one)] = 1
-    numbers, theta, side, starts = (
-        np.concatenate([getattr(k, name) for k in (one, other)]) for name in ARRAYS
-    )
-    return Linkages(numbers, theta, side, starts, more, one.slider)
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(one, name), getattr(other, name)]) for name in ARRAYS
+    }
+    return replace(one, **arrays, more=more)
 
 
 def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkages, str]:
@@ -592,8 +593,8 @@ def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkag
     if task.times is not None:
         _check(count == 5, "exact", f"is for five points with timing, and there are {count}", best)
         # the crank of a linkage turns as the coupler of a cognate does: points with times are poses of that
-        timed = poses.MotionTask(task.target, task.times, 1.0)
-        numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(task.target, task.times))
+        timed = replace(task, angles=task.times)
+        numbers, theta, side, _ = poses.pairs_of(timed, poses.dyads_of(timed))
         found = cognates_of(Linkages(numbers, theta, side)).at(slice(2, None, 6))
         found.numbers[:, 9] = wrapped(found.theta[:, 0] - task.times[0])
         found.theta, found.more = found.numbers[:, 9:] + task.times, {}
@@ -608,9 +609,9 @@ def _all_exact(asked: Asked, task: paths.PathTask, steps: Steps) -> tuple[Linkag
     return Linkages(*parts), str(complete)
 
 
-def _of_nine(points: NDArray[np.complex128], **options: int) -> tuple[Linkages, str]:
+def _of_nine(points: NDArray[np.complex128], ways: int = nine_points.WAYS) -> tuple[Linkages, str]:
     """Return a linkage of each triple of cognates through nine points, and how many triples there are."""
-    triples = nine_points.solutions(points, **options)
+    triples = nine_points.solutions(points, ways)
     real = triples.unknowns[triples.real]
     turns = np.concatenate([np.ones((len(real), 1)), real[:, 8:]], axis=1)
     x, a, y, b = (real[:, k, None] for k in range(4))
@@ -639,8 +640,7 @@ def _through_nine(task: paths.PathTask, attempt: int) -> paths.Candidates:
     theta = np.array([np.interp(share, share[some], one) for one in found.theta]).reshape(-1, last + 1)
     signs = np.stack([found.side[:, 0], order], axis=1)
     starts = paths.Candidates(found.numbers.copy(), signs, theta, np.zeros(len(found)), found.starts)
-    paths.fit_limits(task, starts)
-    return paths.refined(task, starts, 300)
+    return paths.refined(task, paths.fit_limits(task, starts), 300)
 
 
 def _different(found: Linkages) -> Linkages:
@@ -672,7 +672,7 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
     fixed = np.where((asked.lower == asked.upper) & (count < 5), asked.lower, np.nan)
     if asked.where is None or isinstance(asked.where, Mapping):
         asked = asked.with_limits_as_conditions()
-    task = poses.MotionTask(points, angles, length, asked.slider, fixed)
+    task = paths.PathTask(points, crank=False, slider=asked.slider, angles=angles, length=length, fixed=fixed)
     if count == 4:
         _check_curves(task)
     numbers, theta, side, body, dyads = steps(poses.solve_motion, task, asked.seed)
@@ -689,25 +689,11 @@ def _solve_motion(asked: Asked, steps: Steps, motion: Any, rotation_length: Any)
         made = counted(attrs["dyads"], "dyad"), counted(len(found), "linkage")
         attrs["complete"] = f"all {made[0]} of five poses, {made[1]}"
     coords = {"target_x": rows[:, 0], "target_y": rows[:, 1], "target_angle": angles}
-    objectives = ("pose_error", "") if count >= 5 else ("", "least_transmission_angle_used")
-
-    def linkages(numbers: Floats, theta: Floats, side: Floats, body: Any = None) -> Linkages:
-        body = numbers[:, 9].copy() if body is None else body
-        numbers[:, 9] = 0.0
-        return asked.within(Linkages(numbers, theta, side, None, {"body_angle": body}, asked.slider))
-
-    def varied(some: Linkages, change: float, rng: Any) -> Linkages:
-        return linkages(*poses.varied(task, some.pins(), change, rng))
-
-    def fit(row: int) -> paths.Fit:
-        found.numbers[row, 9] = found.more["body_angle"][row]
-        return paths.Fit(task.path, found.theta[row], float(found.side[row, 0]))
-
-    return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5, size=task.size, fit=fit,
-                  unknowns=10, linkages=linkages, varied=varied if count < 5 else None)  # fmt: skip
+    objectives = ("pose_error", "") if count >= 5 else ("", USED)
+    return Solved("motion", asked, found, coords, attrs, *objectives, with_defects=count >= 5, path=task)
 
 
-def _check_curves(task: poses.MotionTask) -> None:
+def _check_curves(task: paths.PathTask) -> None:
     """Refuse pivots that no link has in four poses: fixed ones off the centre-point curve, moving ones off a circle."""
     o = complex(*task.fixed[6:8])
     d = np.nan if task.slider else o + task.fixed[3] * np.exp(1j * task.fixed[8])
@@ -726,9 +712,9 @@ def _check_curves(task: poses.MotionTask) -> None:
 
 
 def _solve_function(
-    asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, points: Any, travel: Any
+    asked: Asked, steps: Steps, function: Any, over: Any, turn: Any, turn_deg: Any, travel: Any, points: Any
 ) -> Solved:
-    slider, given, every = asked.slider, None, None
+    slider, given = asked.slider, None
     if points is not None:
         check_whole(("precision_points",), points, 3, 5)
     turns, unit = _turns(turn, turn_deg, slider), 1.0
@@ -748,24 +734,25 @@ def _solve_function(
         _check(low < high < np.inf, "over", what, "write the range of x, such as over=(1, 2)")
         own = ("", 60) if slider else ("s of both shafts", (60, 90))
         _check(turns, "turn_deg", "is missing", f"write the turn{own[0]}, such as turn_deg={own[1]}")
+        x_all = np.array([low, high])
         x = np.linspace(low, high, functions.FINE)
         x = x if points is None else functions.chebyshev(low, high, points)
-        exact, (first, last) = points is not None, _values(function, np.array([low, high]))
-        y = _values(function, x)
+        exact, y_all, y = points is not None, _values(function, x_all), _values(function, x)
     else:
         rows = _columns("function", function, ("x", "y"), {"x": "1", "y": "1"})
         few = f"has {counted(len(rows), 'pair')}"
         _check(len(rows) >= 3, "function", few, "give at least 3 pairs (x, y)")
-        x, y = rows.T
+        x, y = x_all, y_all = rows.T
         grow = (np.diff(x) > 0.0).all()
         _check(grow, "function", "has inputs that do not grow", "sort the pairs by x, each once")
-        low, high, first, last = x[0], x[-1], y[0], y[-1]
-        exact, every = len(rows) <= 5 or points is not None, (x, y)
+        exact = len(rows) <= 5 or points is not None
         if points is not None:  # the pairs next to these places, each once
             what = f"is {points}, and there are {counted(len(rows), 'pair')}"
             _check(points <= len(rows), "precision_points", what, "leave it out")
-            k = np.abs(x[:, None] - functions.chebyshev(low, high, points)).argmin(axis=0) - np.arange(points)
+            near = functions.chebyshev(x[0], x[-1], points)
+            k = np.abs(x[:, None] - near).argmin(axis=0) - np.arange(points)
             x, y = rows[np.minimum(np.maximum.accumulate(k), len(rows) - points) + np.arange(points)].T
+    (low, high), (first, last) = x_all[[0, -1]], y_all[[0, -1]]
     fine = np.isfinite([first, last, *y]).all()
     _check(fine, "function", "is not finite over its range", "choose the range by over=(lo, hi)")
     # the middle of the range of a turn, of which the others are multiples
@@ -787,8 +774,6 @@ def _solve_function(
             return np.asarray((_values(function, low + angle / rate) - first) * factor)
 
     turn_in, turn_out = (x - low) * rate, (y - first) * factor
-    x_all, y_all = every or (np.array([low, high]), np.array([first, last]))
-    turn_all, out_all = (x_all - low) * rate, (y_all - first) * factor
     pairs = zip(turns or (), ends, strict=True)
     scales = [(min(one / of, other / of), max(one / of, other / of)) for (one, other), of in pairs]
     scales += [(1.0, 1.0)] * (2 - len(scales))
@@ -810,7 +795,8 @@ def _solve_function(
             peaks[k, : len(one.errors)] = one.errors
             places[k, : len(one.peaks)] = theta[k, 0] + n[k, 5] * (one.peaks - turn_in[0])
             if exact:
-                whole = replace(task, turn_in=turn_all, turn_out=out_all, exact=False)
+                turns_all = {"turn_in": (x_all - low) * rate, "turn_out": (y_all - first) * factor}
+                whole = replace(task, **turns_all, exact=False)
                 errors[k] = n[k, 6] * np.abs(functions.peaks_of(whole, n[k], one.sign, one.sense)[1]).max()
         span = n[:, 6] * float(np.ptp(turn_out))
         more = {"theta4": length * wanted, "sense": senses, "structural_error": length * errors,
@@ -831,8 +817,7 @@ def _solve_function(
             if names:
                 at |= evaluate(asked.catalogue.name, names, branch=branch, allow_invalid=True, **at)
             at[USED] = task.transmissions(n)
-            ends = [(sign * (at[one.name] - end) / max(abs(end), 1e-6)) for one in limits
-                    for sign, end in ((1.0, one.low), (-1.0, one.high)) if np.isfinite(end)]  # fmt: skip
+            ends = [sign * (at[name] - end) / max(abs(end), 1e-6) for name, sign, end in _ends(limits)]
             return np.stack(ends, axis=1) - 1e-9
 
         return generated(replace(task, limits=slack) if limits else task)
@@ -842,7 +827,7 @@ def _solve_function(
     by = "function_error" if free else "structural_error"
     # with conditions one linkage tells their names and limits
     found = generated(task, 1 if isinstance(asked.where, Mapping) and not exact else functions.FEW)
-    return Solved("function", asked, found, coords, attrs, by, fit=again)
+    return Solved("function", asked, found, coords, attrs, by, again=again)
 
 
 def _values(function: Any, x: Floats) -> Floats:
@@ -886,6 +871,14 @@ def _turns(turn: Any, turn_deg: Any, slider: bool) -> list[tuple[float, float]] 
     return made
 
 
+#: The tasks: what solves each, and the options that are its own.
+TASKS: dict[str, tuple[Callable[..., Solved], tuple[str, ...]]] = {
+    "path": (_solve_path, ("timing", "closed")),
+    "motion": (_solve_motion, ("rotation_length",)),
+    "function": (_solve_function, ("over", "turn", "turn_deg", "travel", "precision_points")),
+}
+
+
 # -- Conditions on what fastlink computes, and other objectives, of paths and motions
 
 
@@ -898,16 +891,16 @@ FAMILY, CHANGED, CHANGES = 12, 24, 0.4 * 0.75 ** np.arange(28)
 def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     """Return linkages that are refined once more, within the conditions and towards the objective; None without any."""
     asked, error = solved.asked, "pose_error" if solved.task == "motion" else "path_error"
-    if solved.fit is None or not (asked.where or asked.minimise or asked.maximise):
+    if not (solved.path or solved.again) or not (asked.where or asked.minimise or asked.maximise):
         return None
     every, least, most = labelled(solved), asked.minimise, asked.maximise
     if not least and not most:
         least = (solved.minimise if solved.task == "function" else error) if solved.minimise else ()
         most = solved.maximise or ()
     choice = choice_of(every, least, most, asked.where, top=None)
-    limits = [one for one in choice.limits if one.name not in asked.labels and one.name in every.variables]
+    limits = [one for one in choice.limits if one.name not in asked.labels]
     if solved.task == "function":
-        again: Linkages = solved.fit([*limits, *(one for one in choice.limits if one.name == USED)])
+        again: Linkages = solved.again([*limits, *(one for one in choice.limits if one.name == USED)])
         return again
     if len(choice.objectives) != 1:
         return None
@@ -925,7 +918,8 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     score = worth(every)
     exact = (every[error].values <= paths.EXACT * solved.size) & np.isfinite(score)
     is_best = aim_name == error and score.min() < 1e-9 * solved.size
-    if exact.any() and solved.varied is not None and not is_best:
+    can_vary = solved.task == "path" or len(solved.path.target) < 5
+    if exact.any() and can_vary and not is_best:
         found, score = solved.found.at(exact), score[exact]
         *parts, missed = steps(_in_family, solved, found, score, worth)
         if missed < 1e9 or aim_name != error:
@@ -938,7 +932,7 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
             k = asked.names.index(one.name)
             lower[k], upper[k] = max(lower[k], one.low), min(upper[k], one.high)
     tighter = bool((lower > asked.lower).any() or (upper < asked.upper).any())
-    solved = replace(solved, asked=replace(asked, lower=lower, upper=upper))
+    closer = replace(solved, asked=replace(asked, lower=lower, upper=upper))
     limits = [one for one in limits if one.name in every.data_vars]
     by_error = aim_name.startswith(error)
     asks = limits or tighter or aim_name == GREATEST[error] or not by_error
@@ -954,13 +948,13 @@ def within_conditions(solved: Solved, steps: Steps) -> Linkages | None:
     orders = [[k for k in np.argsort(of, kind="stable") if np.isfinite(score[k])] for of in (key, score)]
     # half of them those of the least errors, half those that miss conditions least
     rows = [*dict.fromkeys([*orders[0][: most // 2], *orders[1][: most // 2], *orders[0]])][:most]
-    parts = [steps(_refined_within, solved, row, choice, limits, names, near) for row in rows]
+    parts = [steps(_refined_within, closer, row, choice, limits, names, near) for row in rows]
     made = [part for part in parts if part]
     if not made:
         return None
     numbers, theta, side = (np.array(part) for part in zip(*made, strict=True))
     sides = np.repeat(side[:, None], theta.shape[1], axis=1)
-    return solved.linkages(numbers, theta, sides)
+    return solved.changed(numbers, theta, sides)
 
 
 def _in_family(solved: Solved, found: Linkages, score: Floats, worth: Any) -> list[Any]:
@@ -983,7 +977,7 @@ def _in_family(solved: Solved, found: Linkages, score: Floats, worth: Any) -> li
 
 
 def _refined_within(
-    solved: Solved, row: int, choice: Choice, limits: list[Any], names: list[str], near: float
+    solved: Solved, row: int, choice: Choice, limits: list[Condition], names: list[str], near: float
 ) -> tuple[Any, ...]:
     """Return numbers, crank angles and side of a linkage refined within conditions towards the objective.
 
@@ -991,16 +985,20 @@ def _refined_within(
     """
     asked, size, aim = solved.asked, solved.size, choice.objectives[0]
     by_error = not names or str(aim.array.name) not in names
-    fit, side = solved.fit(row), float(solved.found.side[row, 0])
-    start: Floats = solved.found.numbers[row].copy()
-    if solved.crank and names:  # off a change point, where rates are infinite
+    of, found, side = solved.path, solved.found, float(solved.found.side[row, 0])
+    fit = paths.Fit(of, found.theta[row, : len(of.target)], side)
+    start: Floats = found.numbers[row].copy()
+    if of.angles is not None:
+        start[9] = found.more["body_angle"][row]
+    if of.crank and names:  # off a change point, where rates are infinite
         start[3 if start[3] < start[0] and not asked.slider else 0] *= 0.97
-    free = np.flatnonzero((asked.lower < asked.upper) & (np.arange(10) < solved.unknowns))
+    unknowns = 9 + (of.times is not None or of.angles is not None)
+    free = np.flatnonzero((asked.lower < asked.upper) & (np.arange(10) < unknowns))
     free = free[free != 3] if asked.slider else free
     scale = np.where(np.isin(free, (8, 9)), 1.0, size)
     inputs = 3 if asked.slider else 6
     branch = 2 if side > 0 else 1
-    of: Any = function(asked.catalogue.name, asked.names[:inputs], names, branch=branch) if names else None
+    call: Any = function(asked.catalogue.name, asked.names[:inputs], names, branch=branch) if names else None
     # the last unknown is the greatest distance, where that is minimised or limited
     greatest = aim.array.name in GREATEST.values() or near < np.inf
     x = np.append(start[free] / scale, [np.abs(fit(start, True)[0]).max() / size] * greatest)
@@ -1011,10 +1009,9 @@ def _refined_within(
         return n
 
     def values(x: Floats, name: str) -> tuple[float, Floats]:
-        n, k, slopes = numbers(x), names.index(name), np.zeros(10)
-        slopes[:inputs] = np.asarray(of.gradient(n[:inputs]))[k]
-        one = np.append(slopes[free] * scale, np.zeros(len(x) - len(free)))
-        return float(np.asarray(of(n[:inputs]))[k]), np.nan_to_num(one)
+        n, k, slopes = numbers(x)[:inputs], names.index(name), np.zeros(10)
+        slopes[:inputs] = call.gradient(n)[k]
+        return float(call(n)[k]), np.nan_to_num(np.append(slopes[free] * scale, [0.0] * greatest))
 
     def distances(x: Floats) -> tuple[Floats, Floats]:
         off, slopes = fit(numbers(x), True)
@@ -1026,28 +1023,24 @@ def _refined_within(
             value, slopes = values(x, str(aim.array.name))
             return aim.sign * value, aim.sign * slopes
         if aim.array.name in GREATEST.values():
-            return float(x[-1]), np.append(np.zeros(len(free)), 1.0)
+            return float(x[-1]), np.eye(len(x))[-1]
         off, slopes = fit(numbers(x))
         by = 2.0 * (off @ slopes)[free] * scale / size**2
-        return float(off @ off) / size**2, np.append(by, np.zeros(len(x) - len(free)))
+        return float(off @ off) / size**2, np.append(by, [0.0] * greatest)
 
-    def limit(x: Floats, name: str, sign: float, end: float) -> tuple[float, Floats]:
+    def limit(name: str, sign: float, end: float, x: Floats) -> tuple[float, Floats]:
         (value, slopes), unit = values(x, name), max(abs(end), 1e-6)
         return sign * (value - end) / unit - 1e-9, sign * slopes / unit
 
-    rules = [_rule(limit, one.name, sign, end) for one in limits
-             for sign, end in ((1.0, one.low), (-1.0, one.high)) if np.isfinite(end)]  # fmt: skip
-    rules += [_rule(distances)] * greatest
-    if solved.crank:
-        longer = 1.0 if asked.slider or start[3] >= start[0] else -1.0
-        of_slider, of_bars = (
-            [[-1, 1, -1, 0], [-1, 1, 1, 0]],
-            [[-longer, -1, 1, longer], [-longer, 1, -1, longer]],
-        )
-        folds = np.array(of_slider if asked.slider else [*of_bars, [-1, 1, 1, -1]], dtype=float)
+    rules = [constraint("ineq", partial(limit, *end)) for end in _ends(limits)]
+    rules += [constraint("ineq", distances)] * greatest
+    if of.crank:
+        longer = 1.0 if start[3] >= start[0] else -1.0
+        of_bars = [[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]]
+        folds = np.array([[-1, 1, -1, 0], [-1, 1, 1, 0]] if asked.slider else of_bars, dtype=float)
         wide = np.zeros((len(folds), len(x)))
         wide[:, : len(free)] = np.pad(folds, ((0, 0), (0, 6)))[:, free] * scale / size
-        rules.append(_rule(lambda x: (folds @ numbers(x)[:4] / size - 1e-6, wide)))
+        rules.append(constraint("ineq", lambda x: (folds @ numbers(x)[:4] / size - 1e-6, wide)))
     low = np.append(asked.lower[free] / scale, [0.0] * greatest)
     high = np.append(asked.upper[free] / scale, [near / size] * greatest)
     # far from a least-squares objective the first step knows no curvature: it is kept short, and others follow
@@ -1068,9 +1061,10 @@ def _refined_within(
     return n, fit.theta, side
 
 
-def _rule(function: Any, *of: Any) -> dict[str, Any]:
-    """Return a constraint of SLSQP from a function that returns values and derivatives."""
-    return {"type": "ineq", "fun": lambda x: function(x, *of)[0], "jac": lambda x: function(x, *of)[1]}
+def _ends(limits: Sequence[Condition]) -> list[tuple[str, float, float]]:
+    """Return the name, the sense and the number of each finite end of conditions."""
+    both = ((one.name, ((1.0, one.low), (-1.0, one.high))) for one in limits)
+    return [(name, sign, end) for name, ends in both for sign, end in ends if np.isfinite(end)]
 
 
 # -- The result
@@ -1377,10 +1371,8 @@ def synthesise(
     >>> found.attrs["complete"], bool((found.path_error < 1e-12).all())
     ('all 2 linkages of five timed points', True)
     """
-    began = time.perf_counter()
-    problems = Problems()
-    given = {"path": path, "motion": motion, "function": function}
-    tasks = [name for name, value in given.items() if value is not None]
+    call, began, problems = dict(locals()), time.perf_counter(), Problems()
+    tasks = [name for name in TASKS if call[name] is not None]
     if len(tasks) != 1:
         what = f"has {joined(tasks)}" if tasks else "has no task"
         problems.add(what, ("synthesise",), "write one of path=..., motion=..., function=...")
@@ -1393,27 +1385,19 @@ def synthesise(
     problems.attempt(check_switch, ("exact",), exact)
     names = problems.attempt(check_names, "quantities", quantities) if quantities else ()
     limits = _limits(bounds, fixed, slider, problems)
-    only = {"path": {"timing": timing, "closed": closed}, "motion": {"rotation_length": rotation_length},
-            "function": {"over": over, "turn": turn, "turn_deg": turn_deg, "travel": travel,
-                         "precision_points": precision_points}}  # fmt: skip
-    for task, options in only.items():
-        for name, value in options.items():
-            if value is not None and tasks != [task]:
+    for task, (_, options) in TASKS.items():
+        for name in options:
+            if call[name] is not None and tasks != [task]:
                 problems.add(f"is for {task}=...", (name,), "leave it out")
     problems.stop()
+    solve_task, options = TASKS[tasks[0]]
     known = find_catalogue("slider_crank" if slider else "planar_4r", None)
     asked = Asked(known, tuple(names or ()), where, minimise, maximise, top, *limits, seed, exact)
     asked.others()  # unknown names are refused before anything is computed
     about = {"mechanism": mechanism, "synthesis": tasks[0], **dict(attrs or {})}
 
     def solve(steps: Steps) -> xr.Dataset:
-        if tasks[0] == "path":
-            solved = _solve_path(asked, steps, path, timing, closed)
-        elif tasks[0] == "motion":
-            solved = _solve_motion(asked, steps, motion, rotation_length)
-        else:
-            ask = function, over, turn, turn_deg, precision_points, travel
-            solved = _solve_function(asked, steps, *ask)
+        solved = solve_task(asked, steps, *(call[name] for name in (*tasks, *options)))
         none = not len(solved.found)
         if none:
             solved.found = _one(solved)
@@ -1426,36 +1410,31 @@ def synthesise(
         return result
 
     if to is None:
-        return solve(Steps())
-    options = {**given, **only["path"], **only["motion"], **only["function"]}
+        return solve(Steps(Unfinished(None, "", False, dict)))
     words: list[Any] = [environment(), mechanism, names, top, seed, exact]
-    words += [_as_text(value, over) for value in options.values()]
+    words += [_as_text(call[name], over) for name in (*TASKS, *(n for _, own in TASKS.values() for n in own))]
     words += [*map(repr, (where, bounds, fixed, minimise, maximise))]
     fingerprint = hashlib.sha256(repr(words).encode()).hexdigest()
 
     def found(target: Path) -> tuple[xr.Dataset, None]:
-        with Steps(Unfinished(target, fingerprint, dict), restart) as steps:
+        with Steps(Unfinished(target, fingerprint, restart, dict)) as steps:
             result = solve(steps)
         if not result.sizes[DESIGN]:
             raise InputError(f"{result.attrs['reason']}; nothing is written", ("where",), "widen the limits")
         return result, None
 
-    request: Any = SimpleNamespace(about=lambda: about, fingerprint=fingerprint)
-    made = f"synthesise {mechanism}"
-    return to_file(Path(to), request, found, made=made, overwrite=overwrite, restart=restart)
+    ways: dict[str, Any] = {"made": f"synthesise {mechanism}", "overwrite": overwrite, "restart": restart}
+    return to_file(Path(to), about, fingerprint, found, **ways)
 
 
 class Steps(AbstractContextManager["Steps"]):
     """Steps of a run in turn: those of an earlier one, which was stopped, have their arrays beside its file."""
 
-    def __init__(self, unfinished: Unfinished | None = None, restart: bool = False) -> None:
+    def __init__(self, unfinished: Unfinished) -> None:
         self.unfinished, self.number = unfinished, 0
-        if unfinished is not None and restart:
-            unfinished.remove()
-        earlier = None if unfinished is None else unfinished.read()
-        self.made: dict[str, Any] = earlier[0] if earlier else {}
+        self.made: dict[str, Any]
+        self.made, ((_, self.done),) = unfinished.read() or ({}, [(0, 0)])
         self.made.pop("about", None)
-        self.done = earlier[1][0][1] if earlier else 0
 
     def __call__(self, step: Callable[..., Sequence[Any]], *of: Any) -> list[Any]:
         """Return the arrays that a step makes, or has made."""
@@ -1463,7 +1442,7 @@ class Steps(AbstractContextManager["Steps"]):
         if self.number > self.done:
             self.made |= {f"{name}{k}": np.asarray(one) for k, one in enumerate(step(*of))}
             self.done = self.number
-            if self.unfinished is not None and time.monotonic() >= self.unfinished.due:
+            if time.monotonic() >= self.unfinished.due:
                 self.unfinished.write(self, [(0, self.done)])
         count = sum(key.startswith(name) for key in self.made)
         return [self.made[f"{name}{k}"].copy() for k in range(count)]
@@ -1474,11 +1453,9 @@ class Steps(AbstractContextManager["Steps"]):
 
     def __exit__(self, kind: Any, error: BaseException | None, traceback: Any) -> None:
         """Keep what a run that was stopped has done; else nothing."""
-        if self.unfinished is None:
-            return
         if error is None:
             self.unfinished.remove()
-        elif self.done:
+        elif self.done and self.unfinished.path is not None:
             with contextlib.suppress(InputError):
                 self.unfinished.write(self, [(0, self.done)])
                 one = self.done == 1

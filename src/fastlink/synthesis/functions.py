@@ -389,9 +389,7 @@ def _started(task: FunctionTask, sense: int) -> tuple[Floats, Floats, Floats]:
     return numbers, sign, worst + 0.2 * task.short(numbers, sense)
 
 
-def solve_function(
-    task: FunctionTask, steps: Any = lambda step, *of: step(*of), few: int = FEW
-) -> list[Generator]:
+def solve_function(task: FunctionTask, steps: Any, few: int) -> list[Generator]:
     """Return linkages that generate a function, all different ones that were found, the best first."""
     starts: list[tuple[float, Floats, float, int]] = []
     for sense in task.senses:

@@ -20,9 +20,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fastlink.codegen.kernel import backend_of, load_kernel
-from fastlink.codegen.source import Array, Source
-from fastlink.engine.run import default_threads
-from fastlink.synthesis.paths import in_threads
+from fastlink.codegen.source import Source
+from fastlink.synthesis.paths import doubles, in_threads
 
 __all__ = ["Triples", "cognates", "solutions"]
 
@@ -448,21 +447,15 @@ def _source(kernel: str) -> Source:
     for name, number in (CONTROL | {"rounds": ROUNDS}).items():
         text = text.replace(f"{{{name}}}", repr(number))
     unknowns = (16, 2, WIDE)
-    scratch = (
-        Array("z", "float64", unknowns),
-        Array("past", "float64", (6, *unknowns)) if kernel == TRACK else Array("low", "float64", unknowns),
-        Array("g", "float64", (8, 2, 7, 2, WIDE)),
-        Array("m", "float64", (8, 10, 2, WIDE)),
-        Array("f", "float64", (12, WIDE)),
-        Array("step", "float64", (2, *unknowns)),
-        Array("v", "float64", (19, WIDE)),
-    )
-    results = Array("ends", "float64", (32, None)), Array("told", "float64", (TOLD[kernel], None))
-    return Source(text, 32, 9, scratch, results)
+    own: dict[str, Any] = {"past": (6, *unknowns)} if kernel == TRACK else {"low": unknowns}
+    scratch = {"z": unknowns, **own, "g": (8, 2, 7, 2, WIDE), "m": (8, 10, 2, WIDE), "f": (12, WIDE),
+               "step": (2, *unknowns), "v": (19, WIDE)}  # fmt: skip
+    results: dict[str, Any] = {"ends": (32, None), "told": (TOLD[kernel], None)}
+    return Source(text, 32, 9, doubles(scratch), doubles(results))
 
 
 def _run(
-    kernel: str, starts: Complex, place: Complex, change: Complex, number: float, threads: int
+    kernel: str, starts: Complex, place: Complex, change: Complex, number: float
 ) -> tuple[Complex, Real]:
     """Return where paths (n, 16) end, and what is told of each.
 
@@ -486,7 +479,7 @@ def _run(
         code(given, points, given.shape[1], 8, *scratch, *results)
         ends[part], told[:, part] = np.ascontiguousarray(results[0].T).view(complex), results[1]
 
-    in_threads(work, parts, source, 0, threads)
+    in_threads(work, parts, source, 0)
     return ends, told
 
 
@@ -558,7 +551,7 @@ def _points(points: Complex) -> Complex:
     return np.array([d, d.conj()])
 
 
-def _turns(unknowns: Complex, points: Complex, threads: int) -> Complex:
+def _turns(unknowns: Complex, points: Complex) -> Complex:
     """Return linkages (n, 8) with their turns at points (2, 8), by elimination and then by Newton."""
     rows = []
     for k in (0, 2):
@@ -567,7 +560,7 @@ def _turns(unknowns: Complex, points: Complex, threads: int) -> Complex:
         rows.append(((as_ - ds) * x, (a - d) * xs, -(d * (as_ - xs) + ds * (a - x) - d * ds)))
     (p1, q1, c1), (p2, q2, c2) = rows
     turned = 1.0 + (c1 * q2 - q1 * c2) / (p1 * q2 - q1 * p2)
-    return _run(POLISH, np.concatenate([unknowns, turned], axis=1), points, 0.0 * points, 0.0, threads)[0]
+    return _run(POLISH, np.concatenate([unknowns, turned], axis=1), points, 0.0 * points, 0.0)[0]
 
 
 @cache
@@ -575,35 +568,33 @@ def _instance() -> tuple[Complex, Complex]:
     """Return points (2, 8) of the general instance and its triples (n, 16)."""
     with files("fastlink.synthesis").joinpath(FILE).open("rb") as file:
         rows = np.load(file)
-    return rows[:2], _turns(rows[2:], rows[:2], default_threads())
+    return rows[:2], _turns(rows[2:], rows[:2])
 
 
-def _follow(starts: Complex, place: Complex, goal: Complex, threads: int) -> tuple[Complex, Real]:
+def _follow(starts: Complex, place: Complex, goal: Complex) -> tuple[Complex, Real]:
     """Return the ends of paths (n, 16), and of each how it ended and where."""
-    ends, told = _run(TRACK, starts, place, goal - place, USUAL, threads)
+    ends, told = _run(TRACK, starts, place, goal - place, USUAL)
     for k in range(2):
         left = told[0] != 1.0
         if left.any():
             others = cognates(starts[left], place)[k]
-            ends[left], told[:, left] = _run(TRACK, others, place, goal - place, USUAL, threads)
+            ends[left], told[:, left] = _run(TRACK, others, place, goal - place, USUAL)
     arrived = np.flatnonzero(told[0] == 1.0)
     first = _first_of_triple(ends[arrived])
     twice = np.isin(first, first[first != np.arange(len(first))])
     if twice.any():
         close = arrived[twice]
-        ends[close], told[:, close] = _run(TRACK, starts[close], place, goal - place, CAREFUL, threads)
+        ends[close], told[:, close] = _run(TRACK, starts[close], place, goal - place, CAREFUL)
     return ends, told
 
 
-def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> Triples:
+def solutions(points: Complex, ways: int = WAYS) -> Triples:
     """Find all four-bars whose coupler point passes nine points, in any order and at any time.
 
     Parameters
     ----------
     points
         The nine points (9,) as x + iy, of any size.
-    threads
-        How many; one for each processor if left out.
     ways
         From how many starts paths are followed at most, until none is lost; one finds nearly all.
 
@@ -612,7 +603,6 @@ def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> 
     Triples
         1,442 of them, of points in general position.
     """
-    threads = threads or default_threads()
     given = _points(points)
     scale = 2.0 ** np.round(np.log2(np.abs(given).max()))
     given = given / scale
@@ -622,12 +612,12 @@ def solutions(points: Complex, threads: int | None = None, ways: int = WAYS) -> 
     for way in range(ways):
         # turned and scaled, points are another instance of the same problem, with the conjugates apart from them
         factors = 2.0 * np.exp(2j * np.pi * np.random.default_rng(way).random(2))
-        ends, told = _follow(starts, place, given * factors[:, None], threads)
+        ends, told = _follow(starts, place, given * factors[:, None])
         arrived = told[0] == 1.0
         sizes = np.abs(ends[:, :8]).max(axis=1) / 2.0
         ends[:, :4] /= factors[0]
         ends[:, 4:8] /= factors[1]
-        ends, corrections = _run(POLISH, ends[arrived], given, 0.0 * given, 0.0, threads)
+        ends, corrections = _run(POLISH, ends[arrived], given, 0.0 * given, 0.0)
         settled = corrections[-1] < SETTLED
         before = len(found)
         found = np.concatenate([found, ends[settled]])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from importlib.resources import files
@@ -52,7 +52,12 @@ def refinement() -> Source:
     shapes: dict[str, tuple[Any, ...]] = {name: (count, WIDE) for name, count in rows.items()} | {
         "m": (N_ANGLES, 11, WIDE), "along": (N_ANGLES, WIDE), "slope": (N_ANGLES, WIDE),
         "across": (N_ANGLES, 11, WIDE), "g": (23, 11), "w": (13, 12), "h": (10, 10)}  # fmt: skip
-    return _Refinement(text, 0, 0, tuple(Array(name, "float64", shape) for name, shape in shapes.items()), ())
+    return _Refinement(text, 0, 0, doubles(shapes), ())
+
+
+def doubles(shapes: Mapping[str, tuple[Any, ...]]) -> tuple[Array, ...]:
+    """Return arrays of doubles for a kernel."""
+    return tuple(Array(name, "float64", shape) for name, shape in shapes.items())
 
 
 #: Numbers of a linkage in kernels.
@@ -71,9 +76,9 @@ SPANS = (0.05, 0.1, 0.17, 0.25, 0.35, 0.45, 0.57, 0.7, 0.85, 1.0)
 
 @dataclass(frozen=True)
 class PathTask:
-    """A path that was checked."""
+    """A path or a motion that was checked."""
 
-    #: The points.
+    #: The points, of a motion those of the body.
     target: NDArray[np.complex128]
     #: Crank angles from the first point on, where the timing is given.
     times: NDArray[np.float64] | None = None
@@ -89,8 +94,10 @@ class PathTask:
     lower: NDArray[np.float64] = field(default_factory=lambda: np.full(10, -np.inf))
     upper: NDArray[np.float64] = field(default_factory=lambda: np.full(10, np.inf))
     #: Of poses the directions, and the length that weighs them.
-    angles: NDArray[np.float64] | None = None
+    angles: Any = None
     length: float = 1.0
+    #: The numbers of a linkage that are given, of two to four poses; NaN where one is free.
+    fixed: NDArray[np.float64] = field(default_factory=lambda: np.full(10, np.nan))
 
     def __post_init__(self) -> None:
         if not self.weights.size:
@@ -100,6 +107,11 @@ class PathTask:
     def size(self) -> float:
         """The sum of the squared distances from the mean."""
         return float(np.sum(np.abs(self.target - self.target.mean()) ** 2))
+
+    @property
+    def extent(self) -> float:
+        """The greatest distance from the mean, or the length that weighs angles where all points are one."""
+        return float(np.abs(self.target - self.target.mean()).max()) or self.length
 
     @property
     def is_whole(self) -> bool:
@@ -135,7 +147,7 @@ class Candidates:
         return Candidates(*(np.array(part[rows], order="C") for part in self.parts()))
 
 
-def shapes_of(count: int, seed: int, skip: int = 0, slider: bool = False) -> Floats:
+def shapes_of(count: int, seed: int, skip: int, slider: bool) -> Floats:
     """Return shapes (a2, a3, a4, P_u, P_v by a1) of cranks that turn fully, from a Sobol sequence.
 
     a1 and the three sums of Grashof's condition are free positive numbers: each of them times a1 as a power of ten; of
@@ -289,7 +301,7 @@ def starts_of(task: PathTask, count: int, keep: int, seed: int, skip: int = 0) -
     numbers[:, 6], numbers[:, 7], numbers[:, 8] = place.real, place.imag, np.angle(factor)
     numbers[:, 9] = 2.0 * np.pi * first[:, 0] / PLACES if timed else 0.0
     signs = np.concatenate([side[rows], sense], axis=1)
-    return Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64))
+    return fit_limits(task, Candidates(numbers, signs, theta, best[rows], np.ones(len(rows), dtype=np.int64)))
 
 
 def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool = False) -> Candidates:
@@ -310,12 +322,12 @@ def refined(task: PathTask, found: Candidates, most: int, *, angles_only: bool =
     def work(part: Candidates, scratch: Any) -> None:
         code(part.numbers, part.signs, part.theta, part.cost, *fixed, *scratch)
 
-    in_threads(work, made, source, 2 * n + 10, default_threads())
+    in_threads(work, made, source, 2 * n + 10)
     whole = joined(*made)
     return whole.at(np.isfinite(whole.cost))
 
 
-def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int, threads: int) -> None:
+def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int) -> None:
     """Work on parts by a kernel, each thread with its scratch."""
     left = iter(parts)
 
@@ -324,7 +336,7 @@ def in_threads(work: Any, parts: Sequence[Any], source: Source, rows: int, threa
         for part in left:
             work(part, scratch)
 
-    work_in_threads(each, min(threads, len(parts)), "synthesis", threading.Event())
+    work_in_threads(each, min(default_threads(), len(parts)), "synthesis", threading.Event())
 
 
 #: Shapes that are compared in each round, of closed or timed paths and of open ones; starts that are refined.
@@ -333,18 +345,11 @@ SHAPES, SHAPES_OPEN, KEPT = 4096, 1024, 1000
 STAGES = ((KEPT, 30), (300, 150), (40, 1500))
 #: Rounds at most; an error so small beside the size of the path counts as none.
 ROUNDS, EXACT = 4, 1e-11
-#: Linkages that are the same to so much of their size are told once.
-SAME = 1e-6
+#: Linkages that are the same to so much of their size are told once; and how many are told at most.
+SAME, MOST = 1e-6, 400
 
 
-def solve_path(
-    task: PathTask,
-    seed: int,
-    rounds: int = ROUNDS,
-    steps: Any = lambda step, *of: step(*of),
-    *,
-    all_rounds: bool = False,
-) -> Candidates:
+def solve_path(task: PathTask, seed: int, rounds: int, steps: Any, *, all_rounds: bool) -> Candidates:
     """Return the linkages that come nearest to a path, all different ones that were found, the best first.
 
     Rounds of starts go on until a linkage passes all points, or the best one was found a second time; or all are made,
@@ -358,7 +363,6 @@ def solve_path(
 
     def refined_starts(number: int) -> tuple[Any, ...]:
         starts = starts_of(task, shapes, min(kept, shapes), seed, number * shapes)
-        fit_limits(task, starts)
         for most, count in STAGES:  # fewer of longer ones
             most, count = max(8, int(most * few)), max(30, int(count * few))
             # what passes all points already stays: by other measures it may be the best
@@ -384,9 +388,7 @@ BY_LENGTH, LENGTH_STEPS, UNIFORM, FINE = 60, 40, 100, 256
 
 def solve_curve(task: PathTask, seed: int) -> Candidates:
     """Return linkages whose whole curves follow a closed path, and what they become if points alone count."""
-    starts = starts_of(task, SHAPES, BY_LENGTH, seed)
-    fit_limits(task, starts)
-    found = by_length(task, starts)
+    found = by_length(task, starts_of(task, SHAPES, BY_LENGTH, seed))
     polished = refined(task, found.at(slice(0, BY_LENGTH // 3)), 300)
     return merged(joined(refined(task, found, 10, angles_only=True), polished))
 
@@ -400,11 +402,9 @@ def by_length(task: PathTask, found: Candidates) -> Candidates:
     target = task.target - task.target.mean()
     around = np.append(target, target[0])[None]
     wanted = at_shares(around, around, np.arange(UNIFORM) / UNIFORM)[0]
-    size, lower, upper = float(np.sqrt(np.mean(np.abs(wanted) ** 2))), task.lower.copy(), task.upper.copy()
-    middle = task.target.mean()
-    for ends in (lower, upper):
-        ends[6:8] -= middle.real, middle.imag
-    n = found.numbers - np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    size, middle = float(np.sqrt(np.mean(np.abs(wanted) ** 2))), task.target.mean()
+    shift = np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    n = found.numbers - shift
     double = (n[:, 0] > n[:, 3])[:, None]
 
     def unknowns(n: Floats) -> Floats:
@@ -442,7 +442,7 @@ def by_length(task: PathTask, found: Candidates) -> Candidates:
         h = h + np.einsum("mi,ij->mij", damping[:, None] * diagonal + least, np.eye(10))
         step = -solved(h, (j @ now[:, :, None])[:, :, 0])
         moved = x + np.concatenate([np.clip(step[:, :4], -1.0, 1.0), step[:, 4:]], axis=1)
-        n = np.clip(numbers(moved, double), lower, upper)
+        n = np.clip(numbers(moved, double), task.lower - shift, task.upper - shift)
         n[:, 9] = 0.0
         moved[:, :9] = np.concatenate([unknowns(n), n[:, 4:9]], axis=1)
         other = off(moved, double, found.signs)
@@ -455,7 +455,7 @@ def by_length(task: PathTask, found: Candidates) -> Candidates:
     made.numbers, made.cost = numbers(x, double[order]), cost[order]
     turns = x[:, 9:] + made.signs[:, 1:] * 2.0 * np.pi * np.arange(FINE + 1) / FINE
     made.theta = at_shares(turns, pins(made.numbers, turns, made.signs[:, :1])[-1], task.share)
-    made.numbers += np.array([*[0.0] * 6, middle.real, middle.imag, 0.0, 0.0])
+    made.numbers += shift
     return made
 
 
@@ -472,14 +472,12 @@ def varied(
     n[:, 8:] += by[:, 8:] * [1.0, task.times is not None]
     sense = np.ones(len(n)) if task.times is not None else np.sign(theta[:, -1] - theta[:, 0])
     signs, ones = np.stack([side, sense], axis=1), np.ones(len(n), dtype=np.int64)
-    starts = Candidates(n, signs, theta, 0.0 * side, ones)
-    fit_limits(task, starts)
-    made = refined(task, starts, 100)
+    made = refined(task, fit_limits(task, Candidates(n, signs, theta, 0.0 * side, ones)), 100)
     return made.at(made.cost <= EXACT**2 * task.size)
 
 
-def fit_limits(task: PathTask, found: Candidates) -> None:
-    """Move starts into the limits of their numbers: given lengths size all, angles turn by whole turns."""
+def fit_limits(task: PathTask, found: Candidates) -> Candidates:
+    """Return starts moved, in place, into the limits of numbers: given lengths size all, angles turn by whole turns."""
     numbers = found.numbers
     for k in range(2 if task.slider else 4):
         if task.lower[k] == task.upper[k]:
@@ -489,6 +487,7 @@ def fit_limits(task: PathTask, found: Candidates) -> None:
         low = task.lower[k] if np.isfinite(task.lower[k]) else -np.pi
         numbers[:, k] = low + np.remainder(numbers[:, k] - low, 2.0 * np.pi)
     np.clip(numbers, task.lower, task.upper, out=numbers)
+    return found
 
 
 def joined(*several: Candidates) -> Candidates:
@@ -544,9 +543,9 @@ def solved(matrices: Floats, right: Floats) -> Floats:
     return np.where(singular[:, None], np.nan, found)
 
 
-def merged(found: Candidates, most: int = 400) -> Candidates:
+def merged(found: Candidates) -> Candidates:
     """Return different linkages, the best of each, with the number of starts that ended there."""
-    kept, starts = different(found.numbers, found.signs[:, 0], found.starts, most)
+    kept, starts = different(found.numbers, found.signs[:, 0], found.starts, MOST)
     result = found.at(kept)
     result.starts = np.array(starts, dtype=np.int64)
     return result
@@ -570,7 +569,7 @@ def different(
 
 
 @np.errstate(all="ignore")
-def curve_of(n: Floats, theta: Floats, side: float, slider: bool = False) -> tuple[Any, ...]:
+def curve_of(n: Floats, theta: Floats, side: float, slider: bool) -> tuple[Any, ...]:
     """Return coupler points of one linkage, and their derivatives by its numbers and (last) the crank angle.
 
     Then the direction of AB as a complex number, the derivatives of its angle, and whether the bars meet.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from itertools import permutations
 from typing import Any
 
@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 
 from fastlink.synthesis.paths import Complex, Fit, Floats, PathTask, from_pins, solved, wrapped
 
-__all__ = ["MotionTask", "dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
+__all__ = ["dyads_of", "dyads_of_five", "pairs_of", "solve_motion"]
 
 #: Further poses that are drawn where fewer than five are given, each with up to four dyads.
 DRAWN = 1500
@@ -25,29 +25,6 @@ MOVED = 1500
 #: Residuals by the size of a task, of links that are up to as long: of some ten operations each, whose roundings are
 #: 1e-15 in sum, and a thousand times that for the condition of Newton's last step.
 MET = 1e-12
-
-
-@dataclass(frozen=True)
-class MotionTask:
-    """Poses that were checked: points of the body, directions of it, and the length that weighs angles."""
-
-    points: Complex
-    angles: Floats
-    rotation_length: float
-    #: Whether a slider-crank is to carry the body.
-    slider: bool = False
-    #: The numbers of a linkage that are given, of two to four poses; NaN where one is free.
-    fixed: Floats = field(default_factory=lambda: np.full(10, np.nan))
-
-    @property
-    def path(self) -> PathTask:
-        """The same as a path."""
-        return PathTask(self.points, slider=self.slider, angles=self.angles, length=self.rotation_length)
-
-    @property
-    def size(self) -> float:
-        """The greatest distance from the mean, or the length that weighs angles where all points are one."""
-        return float(np.abs(self.points - self.points.mean()).max()) or self.rotation_length
 
 
 #: Tasks that are solved at once.
@@ -152,9 +129,10 @@ def _on_circles(d: Complex, e: Complex, centre: Complex, pin: Complex, steps: in
     return centre, pin
 
 
-def dyads_of(points: Complex, angles: Floats) -> Complex:
+def dyads_of(task: PathTask) -> Complex:
     """Return all RR dyads of five poses; of more, those of the linear form's least squares, then nearest to circles."""
-    return _listed(*dyads_of_five(points[None], angles[None], 2 if len(points) == 5 else 8))
+    steps = 2 if len(task.target) == 5 else 8
+    return _listed(*dyads_of_five(task.target[None], task.angles[None], steps))
 
 
 def _listed(centres: Complex, pins: Complex) -> Complex:
@@ -163,31 +141,31 @@ def _listed(centres: Complex, pins: Complex) -> Complex:
     return np.stack([centres[fine], pins[fine]])
 
 
-def family_of(task: MotionTask, seed: int) -> Complex:
+def family_of(task: PathTask, seed: int) -> Complex:
     """Return dyads of two to four poses: those of the poses with further ones that are drawn about them."""
     rng = np.random.default_rng(seed)
-    count = len(task.points)
+    count = len(task.target)
     poses = np.empty((DRAWN, 5, 3))
-    poses[:, :count] = np.stack([task.points.real, task.points.imag, task.angles], axis=1)
+    poses[:, :count] = np.stack([task.target.real, task.target.imag, task.angles], axis=1)
     more = 5 - count
     weights = rng.dirichlet(np.ones(count), (DRAWN, more))
     x, y = rng.normal(size=(2, DRAWN, more))
-    centre = weights @ task.points + task.size * (x + 1j * y)
+    centre = weights @ task.target + task.extent * (x + 1j * y)
     poses[:, count:, 0], poses[:, count:, 1] = centre.real, centre.imag
     spread = max(float(np.ptp(task.angles)), 0.3)
     poses[:, count:, 2] = weights @ task.angles + 0.7 * spread * rng.normal(size=(DRAWN, more))
     return _listed(*dyads_of_five(poses[..., 0] + 1j * poses[..., 1], poses[..., 2]))
 
 
-def sliders_of(task: MotionTask, angles: Any = None, free: Any = 0.0) -> tuple[Complex, Complex]:
+def sliders_of(task: PathTask, angles: Floats, free: Any = 0.0) -> tuple[Complex, Complex]:
     """Return directions across a line, and the body points that move along it: of four poses the one there is.
 
     Re(conj(n) (d + e w)) = k is linear in conj(n) w and k for each direction n. Of more poses it is the one whose
     squares are least, besides one where they are stationary; of three there is one point for each n, of two a line of
     them. These directions are given, and places along such lines.
     """
-    origin, count = task.points.mean(), len(task.points)
-    d, e = (task.points - origin) / task.size, np.exp(1j * task.angles)
+    origin, count = task.target.mean(), len(task.target)
+    d, e = (task.target - origin) / task.extent, np.exp(1j * task.angles)
     rows, right = np.stack([e.real, -e.imag, -np.ones(count)], axis=1), np.stack([d.real, d.imag], axis=1)
     if count > 3:
         n = np.linalg.svd(right - rows @ np.linalg.lstsq(rows, right)[0])[2][::-1].T
@@ -198,40 +176,40 @@ def sliders_of(task: MotionTask, angles: Any = None, free: Any = 0.0) -> tuple[C
     if count == 2:
         found += np.linalg.svd(rows)[2][2][:, None] * free
     across = n[0] + 1j * n[1]
-    return across, task.size * (found[0] + 1j * found[1]) / np.conj(across)
+    return across, task.extent * (found[0] + 1j * found[1]) / np.conj(across)
 
 
-def linkages_of(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Floats, Floats, Floats, Floats]:
+def linkages_of(task: PathTask, c: Any, w: Any, d: Any, v: Any) -> tuple[Floats, Floats, Floats, Floats]:
     """Return linkages of dyads with centres and body points c, w that are driven, and d, v.
 
     As numbers, crank angles at each pose, signs of B beside the line from A to D, and angles of the body from AB.
     """
-    points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
+    points, e = np.broadcast_to(task.target, (len(c), len(task.target))), np.exp(1j * task.angles)
     a, b = points + e * w[:, None], points + e * v[:, None]
     numbers, theta, side = from_pins(c, d, a, b, points, task.slider)
-    longest = 1.0 + np.abs(numbers[:, :8]).max(axis=1, keepdims=True) / task.size
+    longest = 1.0 + np.abs(numbers[:, :8]).max(axis=1, keepdims=True) / task.extent
     met = np.abs(_from_fixed(task, numbers)) <= MET * longest
     return np.where(met, task.fixed, numbers), np.unwrap(theta, axis=1), side, -np.angle(v - w)
 
 
-def _from_fixed(task: MotionTask, numbers: Floats) -> Floats:
+def _from_fixed(task: PathTask, numbers: Floats) -> Floats:
     """Return how far numbers of linkages are from those that are given, lengths by the size of the task."""
     off = numbers - task.fixed
-    off[..., :8] /= task.size
+    off[..., :8] /= task.extent
     off[..., 8:] = wrapped(off[..., 8:])
     return np.asarray(off)
 
 
 @np.errstate(all="ignore")
-def as_given(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[np.bool_], Complex]:
+def as_given(task: PathTask, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[np.bool_], Complex]:
     """Return which pairs of dyads have the numbers that are given and meet the poses, after they were moved to these.
 
     Fixed pivots begin where they are to be: what is left is linear in the moving ones then, and the first step of
     Newton is the closed form, the point with equal distances from the places of the pivot in the body. Of all changes
     that a step may be it is the least one.
     """
-    given, origin, size = np.flatnonzero(np.isfinite(task.fixed)), task.points.mean(), task.size
-    points, e = np.broadcast_to(task.points, (len(c), len(task.points))), np.exp(1j * task.angles)
+    given, origin, size = np.flatnonzero(np.isfinite(task.fixed)), task.target.mean(), task.extent
+    points, e = np.broadcast_to(task.target, (len(c), len(task.target))), np.exp(1j * task.angles)
     a4, at, ground = task.fixed[3], task.fixed[6:8], task.fixed[8]
     c = np.where(np.isfinite(at[0]), at[0], c.real) + 1j * np.where(np.isfinite(at[1]), at[1], c.imag)
     if task.slider:
@@ -275,16 +253,16 @@ def as_given(task: MotionTask, c: Any, w: Any, d: Any, v: Any) -> tuple[NDArray[
     return np.asarray(np.abs(off(x)).max(axis=1) <= MET * longest**2), np.stack(made)
 
 
-def on_circle(task: MotionTask, pivot: complex | None = None) -> bool:
+def on_circle(task: PathTask, pivot: complex | None = None) -> bool:
     """Tell whether the places of a fixed pivot in the body, or those of the body's own point, are on a circle."""
-    places = task.points if pivot is None else np.exp(-1j * task.angles) * (pivot - task.points)
-    places = (places - places[0]) / task.size
+    places = task.target if pivot is None else np.exp(-1j * task.angles) * (pivot - task.target)
+    places = (places - places[0]) / task.extent
     rows = np.stack([places.real, places.imag], axis=1)[1:]
     middle = complex(*np.linalg.lstsq(rows, 0.5 * np.abs(places[1:]) ** 2)[0])
     return bool(np.ptp(np.abs(places - middle)) <= MET * (1.0 + np.abs(places).max() + abs(middle)))
 
 
-def nearest_centre(task: MotionTask) -> float:
+def nearest_centre(task: PathTask) -> float:
     """Return O_y of the centre-point curve of four poses for the O_x that is given, next to the one that is."""
     c, w = family_of(task, 0)[:, :MOVED]
     alone = replace(task, fixed=np.where(np.arange(10) == 6, task.fixed, np.nan), slider=False)
@@ -298,7 +276,7 @@ def _squares(away: Complex) -> Floats:
     return np.asarray(((away - away[:, :1]) * np.conj(away + away[:, :1])).real[:, 1:])
 
 
-def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
+def pairs_of(task: PathTask, dyads: Complex) -> tuple[Floats, Floats, Floats, Floats]:
     """Return the linkages of all pairs of dyads, driven by the first of each, or of all with the sliders there are."""
     c, w = dyads
     if task.slider:
@@ -313,21 +291,21 @@ def pairs_of(task: MotionTask, dyads: Complex) -> tuple[Floats, Floats, Floats, 
         found = np.stack([c[first[some]], w[first[some]], d[other[some]], v[other[some]]])
         meets, moved = as_given(task, *found)
         if meets.any():  # else they are approached, see `found`
-            key = np.round(moved[:, meets] / task.size, 9)
+            key = np.round(moved[:, meets] / task.extent, 9)
             return linkages_of(task, *moved[:, meets][:, np.unique(key, axis=1, return_index=True)[1]])
     return linkages_of(task, c[first], w[first], d[other], v[other])
 
 
-def varied(task: MotionTask, pins: tuple[Complex, ...], change: float, rng: Any) -> tuple[Floats, ...]:
+def varied(task: PathTask, pins: tuple[Complex, ...], change: float, rng: Any) -> tuple[Floats, ...]:
     """Return linkages that meet poses exactly, near others (their pins): both dyads are changed at random."""
     c, d, a, b, _ = pins
     e = np.exp(1j * task.angles)
-    w, v = ((of[:, 0] - task.points[0]) / e[0] for of in (a, b))
+    w, v = ((of[:, 0] - task.target[0]) / e[0] for of in (a, b))
 
-    points, turns = (np.broadcast_to(of, (len(w), len(e))) for of in (task.points, e))
+    points, turns = (np.broadcast_to(of, (len(w), len(e))) for of in (task.target, e))
 
     def moved(centre: Complex, pin: Complex) -> tuple[Complex, Complex]:
-        wide = change * (task.size + np.abs(centre - task.points.mean()))
+        wide = change * (task.extent + np.abs(centre - task.target.mean()))
         x, y = wide * (rng.normal(size=(2, len(w))) + 1j * rng.normal(size=(2, len(w))))
         return _on_circles(points, turns, centre + x, pin + y, 8)
 
@@ -337,7 +315,7 @@ def varied(task: MotionTask, pins: tuple[Complex, ...], change: float, rng: Any)
     elif len(e) == 3:
         d, v = sliders_of(task, np.angle(d) + change * rng.normal(size=len(w)))
     elif len(e) == 2:
-        v = v + change * task.size * (rng.normal(size=len(w)) + 1j * rng.normal(size=len(w)))
+        v = v + change * task.extent * (rng.normal(size=len(w)) + 1j * rng.normal(size=len(w)))
         line = np.diff(points + turns * v[:, None])[:, 0]
         d = 1j * line / np.abs(line)
     if np.isfinite(task.fixed).any():
@@ -346,37 +324,35 @@ def varied(task: MotionTask, pins: tuple[Complex, ...], change: float, rng: Any)
     return linkages_of(task, c, w, d, v)
 
 
-def solve_motion(task: MotionTask, seed: int) -> tuple[Floats, Floats, Floats, Floats, int]:
+def solve_motion(task: PathTask, seed: int) -> tuple[Floats, Floats, Floats, Floats, int]:
     """Return the linkages of a motion as `pairs_of` does, and how many dyads with a crank they are made of."""
-    if len(task.points) >= 5:
-        dyads = dyads_of(task.points, task.angles)
+    if len(task.target) >= 5:
+        dyads = dyads_of(task)
         found = pairs_of(task, dyads)
-        return *(_on_poses(task, *found) if len(task.points) > 5 or task.slider else found), dyads.shape[1]
+        return *(_on_poses(task, *found) if len(task.target) > 5 or task.slider else found), dyads.shape[1]
     dyads = family_of(task, seed)
-    size, origin = task.size, task.points.mean()
-    crank = np.abs(task.points[0] + np.exp(1j * task.angles[0]) * dyads[1] - dyads[0])
+    size, origin = task.extent, task.target.mean()
+    crank = np.abs(task.target[0] + np.exp(1j * task.angles[0]) * dyads[1] - dyads[0])
     fine = (np.abs(dyads[0] - origin) < LONGEST * size) & (1e-3 * size < crank) & (crank < LONGEST * size)
     kept = dyads[:, fine]
-    rng, most = np.random.default_rng(seed), PAIRED * (8 if task.slider and len(task.points) == 4 else 1)
+    rng, most = np.random.default_rng(seed), PAIRED * (8 if task.slider and len(task.target) == 4 else 1)
     return *pairs_of(task, kept[:, rng.permutation(kept.shape[1])[:most]]), kept.shape[1]
 
 
 def _on_poses(
-    task: MotionTask, numbers: Floats, theta: Floats, sides: Floats, bodies: Floats
+    task: PathTask, numbers: Floats, theta: Floats, sides: Floats, bodies: Floats
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Return linkages that come nearest to poses, from others, in places and in directions."""
-    kept = []
+    kept = np.zeros(len(numbers), dtype=bool)
     for row, x in enumerate(numbers):
-        fit = Fit(task.path, theta[row], float(np.sign(sides[row].sum()) or 1.0))
+        fit = Fit(task, theta[row], float(np.sign(sides[row].sum()) or 1.0))
         start = np.append(x[:9], bodies[row])
         if not np.isfinite(start).all() or not np.isfinite(theta[row]).all():
             continue
         best = least_squares(lambda v, fit=fit: fit(v)[0], start, lambda v, fit=fit: fit(v)[1], method="trf",
                              x_scale="jac", xtol=1e-15, ftol=1e-15, gtol=1e-15, max_nfev=300).x  # fmt: skip
         fit(best)
-        if (best[: 2 if task.slider else 4] > 0.0).all():
-            kept.append((np.append(best[:9], 0.0), fit.theta, np.full(len(fit.theta), fit.side), best[9]))
-    if not kept:
-        return numbers[:0], theta[:0], sides[:0], bodies[:0]
-    found, angles, signs, body = (np.array(part) for part in zip(*kept, strict=True))
-    return found, angles, signs, body
+        kept[row] = (best[: 2 if task.slider else 4] > 0.0).all()
+        numbers[row], bodies[row] = np.append(best[:9], 0.0), best[9]
+        theta[row], sides[row] = fit.theta, fit.side
+    return numbers[kept], theta[kept], sides[kept], bodies[kept]
