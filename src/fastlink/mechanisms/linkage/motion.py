@@ -493,7 +493,7 @@ class Writer:
             angle = self.value(where, second, name, "rad", f"direction of the line through {start}")
             if angle == "0.0":
                 return Line(start, ("1.0", "0.0"), ("1.0", "0.0"), self.links[0])
-            unit = f"axis_{start}_at_{angle}"
+            unit = "axis_" + "_".join((start, "at", angle))
             if unit not in self.directions:
                 self.directions.add(unit)
                 self.write(AT_ANGLE, unit=unit, start=start, angle=angle)
