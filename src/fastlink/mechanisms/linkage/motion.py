@@ -53,6 +53,7 @@ MOST_WAYS = 6
 MOST_RATIO = 8
 #: How inputs of lengths are called that were given as numbers.
 OF_NUMBER = "length_"
+COORDINATES = "coordinates: names of inputs, or numbers in m"
 NAME = re.compile("[A-Za-z][A-Za-z0-9]*")
 
 Pair = tuple[str, str]
@@ -396,6 +397,17 @@ class Writer:
             raise InputError(f"is {short_repr(given)}", where, f"write two {noun}")
         return given[0], given[1]
 
+    def values(
+        self, where: KeyPath, given: Any, noun: str, *of: Pair, units: str = "m", rule: str = "any"
+    ) -> Pair:
+        """Return the names of two inputs, each by its usual name and meaning."""
+        pair = self.pair(where, given, noun)
+        x, y = (
+            self.value(where, one, name, units, meaning, rule)
+            for one, (name, meaning) in zip(pair, of, strict=True)
+        )
+        return x, y
+
     def link_of(self, where: KeyPath, first: str, second: str) -> Link:
         """Return the link that two points are of."""
         if first == second:
@@ -540,11 +552,8 @@ class Writer:
         for name, at in ground.items():
             with self.within("ground", str(name)):
                 self.new_name((), name)
-                pair = self.pair((), at, "coordinates: names of inputs, or numbers in m")
-                x, y = (
-                    self.value((), one, f"{name}_{axis}", "m", f"{axis} of the pivot {name}")
-                    for one, axis in zip(pair, "xy", strict=True)
-                )
+                of = ((f"{name}_{axis}", f"{axis} of the pivot {name}") for axis in "xy")
+                x, y = self.values((), at, COORDINATES, *of)
                 self.points[name] = self.in_loops[name] = x, y
                 self.links[0].points.append(name)
                 self.drawn.append(Point(name, _value(x), _value(y), "ground"))
@@ -595,13 +604,8 @@ class Writer:
         if not isinstance(given, Mapping) or given.keys() != {"along", "stroke"}:
             raise InputError(f"is {short_repr(given)}", where, shape)
         line = self.line((*where, "along"), given["along"])
-        ends = self.pair((*where, "stroke"), given["stroke"], "places on the line")
-        one, other = (
-            self.value(
-                (*where, "stroke"), end, f"stroke_{pin}_{k}", "m", f"end of the stroke of {pin}, number {k}"
-            )
-            for k, end in enumerate(ends, 1)
-        )
+        of = ((f"stroke_{pin}_{k}", f"end of the stroke of {pin}, number {k}") for k in (1, 2))
+        one, other = self.values((*where, "stroke"), given["stroke"], "places on the line", *of)
         self.inputs["omega"] = [
             "omega [rad s-1] omega: rate of theta, a turn of which is a stroke to and fro; constant"
         ]
@@ -696,12 +700,9 @@ class Writer:
                 ("rrr",),
                 f"write {SHAPES['on']}",
             )
-        lengths = self.pair(("lengths",), given["lengths"], "lengths")
         first, second = a + name, d + name
-        l1, l2 = (
-            self.length(("lengths",), one, bar, "length of the bar")
-            for one, bar in zip(lengths, (first, second), strict=True)
-        )
+        of = ((f"{OF_NUMBER}{bar}", f"length of the bar {bar}") for bar in (first, second))
+        l1, l2 = self.values(("lengths",), given["lengths"], "lengths", *of, rule="positive")
         meanings = (f"{name} to the right of {a}{d}", f"{name} to its left")  # in the order of the planar 4R
         between = f"the bars {first} and {second}"
         self.add_ways(name, meanings, between, "-1.0")
@@ -712,7 +713,7 @@ class Writer:
             link = self.add_link(bar, [start, name], bar, f"n_{bar}", length)
             loops.append(_along(self.in_loops[start], length, link.in_loops))
             self.draw_bar(start, name, length)
-        self.rows += [f"    | {minus(loops[0][k], loops[1][k])}" for k in range(2)]
+        self.rows += [f"    | {one}" for one in difference(*loops)]
         self.placed.append(Placed("rrr", name, tuple(self.links[-2:]), (a, d)))
         self.owners[name] = self.links[-2]
         ax, ay = self.points[a]
@@ -750,7 +751,7 @@ class Writer:
         self.owners[name] = name
         ends = _along(self.in_loops[a], length, link.in_loops)
         slid = _along(self.in_loops[line.start], slide, line.in_loops)
-        self.rows += [f"    | {minus(ends[k], slid[k])}" for k in range(2)]
+        self.rows += [f"    | {one}" for one in difference(ends, slid)]
         ax, ay = self.points[a]
         self.add_point(name, (plus(ax, f"{bar}_x"), plus(ay, f"{bar}_y")), ends, "slider")
         self.draw_bar(a, name, length)
@@ -906,14 +907,9 @@ class Writer:
 
     def place_of(self, name: str, given: Mapping[str, Any], link: Link) -> tuple[str, str]:
         """Return the place of a point along the axis of its link, and left of that."""
-        place = self.pair(("at",), given["at"], "coordinates: names of inputs, or numbers in m")
-        u, v = (
-            self.value(
-                ("at",), one, f"{name}_{axis}", "m", f"place of {name} on {link.name}, {what} its axis"
-            )
-            for one, axis, what in zip(place, "uv", ("along", "left of"), strict=True)
-        )
-        return u, v
+        ways = (("u", "along"), ("v", "left of"))
+        of = ((f"{name}_{axis}", f"place of {name} on {link.name}, {way} its axis") for axis, way in ways)
+        return self.values(("at",), given["at"], COORDINATES, *of)
 
     def third_of(self, name: str, given: Mapping[str, Any], start: str, end: str) -> tuple[str, str]:
         """Return the place of a point by its distances from both ends of a bar, to the left of that or to the right."""
@@ -922,14 +918,8 @@ class Writer:
             what = f"{start}{end} is no bar whose length is given"
             raise InputError(what, ("lengths",), f"write {SHAPES['on']}")
         check_choice(("side",), side := given.get("side", "left"), ("left", "right"))
-        d, e = (
-            self.value(
-                ("lengths",), one, f"{OF_NUMBER}{of}{name}", "m", f"distance of {of} and {name}", "positive"
-            )
-            for one, of in zip(
-                self.pair(("lengths",), given["lengths"], "lengths"), (start, end), strict=True
-            )
-        )
+        of = ((f"{OF_NUMBER}{end}{name}", f"distance of {end} and {name}") for end in (start, end))
+        d, e = self.values(("lengths",), given["lengths"], "lengths", *of, rule="positive")
         self.lengths |= {frozenset((start, name)): d, frozenset((end, name)): e}
         u, v = f"along_{start}{end}_{name}", f"left_{start}{end}_{name}"
         self.fact(
