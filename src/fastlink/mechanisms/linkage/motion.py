@@ -513,6 +513,13 @@ class Writer:
         link = self.link_of(where, start, second)
         return Line(start, *self.direction(link, start, second), link)
 
+    def slid(self, line: Line, slide: str) -> tuple[Pair, Pair]:
+        """Return the place so far along a line, as facts and in the loops."""
+        start = line.start
+        return _along(self.points[start], slide, line.unit), _along(
+            self.in_loops[start], slide, line.in_loops
+        )
+
     def direction(self, link: Link, start: str, end: str) -> tuple[Pair, Pair]:
         """Return the unit vector from a point of a link to another, as facts and in the loops."""
         if link.origin == start and link.points[:2] == [start, end] and link.rate:
@@ -624,12 +631,7 @@ class Writer:
         self.rows.append(f"    | {slide} - {at} - ({length}) * cos(theta))")
         self.placed.append(Placed("slider", pin, lines=(line,)))
         self.owners[pin] = pin
-        self.add_point(
-            pin,
-            _along(self.points[line.start], slide, line.unit),
-            _along(self.in_loops[line.start], slide, line.in_loops),
-            "slider",
-        )
+        self.add_point(pin, *self.slid(line, slide), "slider")
 
     def add_bar(self, name: str, start: str, end: str, length: str, at: Pair | None = None) -> None:
         """Write the end of a bar, whose link is the last."""
@@ -750,7 +752,7 @@ class Writer:
         self.placed.append(Placed("rrp", name, (link,), (a,), (line,)))
         self.owners[name] = name
         ends = _along(self.in_loops[a], length, link.in_loops)
-        slid = _along(self.in_loops[line.start], slide, line.in_loops)
+        _, slid = self.slid(line, slide)
         self.rows += [f"    | {one}" for one in difference(ends, slid)]
         ax, ay = self.points[a]
         self.add_point(name, (plus(ax, f"{bar}_x"), plus(ay, f"{bar}_y")), ends, "slider")
@@ -803,27 +805,18 @@ class Writer:
         """Write a slider on a line, in whose slot a pin slides."""
         a = self.point(("rpp",), given["rpp"])
         line = self.line(("along",), given["along"])
-        c, (ux, uy), (lx, ly) = line.start, line.unit, line.in_loops
-        slide, (ax, ay), (cx, cy) = f"slide_{name}", self.points[a], self.points[c]
-        rx, ry = minus(ax, cx), minus(ay, cy)
-        angle = (
-            self.value(
-                ("angle",),
-                given["angle"],
-                f"slot_{name}",
-                "rad",
-                f"angle of the slot of {name} from its line",
-            )
-            if "angle" in given
-            else ""
-        )
+        slide, (ux, uy), (lx, ly) = f"slide_{name}", line.unit, line.in_loops
+        rx, ry = difference(self.points[a], self.points[line.start])
+        angle, meaning = "", f"angle of the slot of {name} from its line"
+        if "angle" in given:
+            angle = self.value(("angle",), given["angle"], f"slot_{name}", "rad", meaning)
         off = f" - ({ux} * ({ry}) - {uy} * ({rx})) * (cosine({angle}) / sine({angle}))" if angle else ""
         self.fact(
-            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
+            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {line.start}",
             f"= {ux} * ({rx}) + {uy} * ({ry}){off}",
         )
         self.add_slide(name, slide)
-        of, ends = self.in_loops[a], _along(self.in_loops[c], slide, (lx, ly))
+        of, (at, ends) = self.in_loops[a], self.slid(line, slide)
         x, y = (minus(of[k], f"({ends[k]})") for k in range(2))
         along = f"(({x}) * {lx} + ({y}) * {ly})"
         self.rows.append(
@@ -834,7 +827,7 @@ class Writer:
         self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), line.link.rate))
         self.placed.append(Placed("rpp", name, (self.links[-1],), (a,), (line,), angle))
         self.owners[name] = self.links[-1]
-        self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
+        self.add_point(name, at, ends, "slider")
         self.bars.append(Bar(f"{name} {a}", {}))
 
     def write_prp(self, name: str, given: Mapping[str, Any]) -> None:
@@ -843,26 +836,23 @@ class Writer:
             ("prp",), given["prp"], "lines, each of two points of one link, or of a ground pivot and an angle"
         )
         one, other = (self.line(("prp",), line) for line in lines)
-        (c, (ux, uy), (lx, ly)), (g, (wx, wy), (kx, ky)) = (
-            (line.start, line.unit, line.in_loops) for line in (one, other)
-        )
+        slide, (ux, uy), (wx, wy), (kx, ky) = f"slide_{name}", one.unit, other.unit, other.in_loops
         self.placed.append(Placed("prp", name, lines=(one, other)))
         self.owners[name] = name
-        slide, (cx, cy), (gx, gy) = f"slide_{name}", self.points[c], self.points[g]
-        rx, ry = minus(gx, cx), minus(gy, cy)
+        rx, ry = difference(self.points[other.start], self.points[one.start])
         self.fact(
             f"step cross_{name} [1] u x w: Sine of the angle between both lines of {name}",
             f"= {ux} * {wy} - {uy} * {wx}",
         )
         self.fact(
-            f"{slide} [m] s_{name}: Place of {name} on its first line, from {c}",
+            f"{slide} [m] s_{name}: Place of {name} on its first line, from {one.start}",
             f"= (({rx}) * {wy} - ({ry}) * {wx}) / cross_{name}",
         )
         self.add_slide(name, slide)
-        of, ends = self.in_loops[g], _along(self.in_loops[c], slide, (lx, ly))
+        of, (at, ends) = self.in_loops[other.start], self.slid(one, slide)
         x, y = (minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
         self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
-        self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
+        self.add_point(name, at, ends, "slider")
 
     def write_on(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a point of a link, by its place along the axis from one point of it to another, and left of that."""
@@ -954,13 +944,8 @@ class Writer:
             raise InputError(what, ("ratio",), remedy)
         bar = pivot + name
         length = self.length(("length",), given["length"], bar, "length of the bar")
-        phase = self.value(
-            ("phase",),
-            given.get("phase", 0),
-            f"phase_{bar}",
-            "rad",
-            f"angle of {bar} beyond that of its drive",
-        )
+        meaning = f"angle of {bar} beyond that of its drive"
+        phase = self.value(("phase",), given.get("phase", 0), f"phase_{bar}", "rad", meaning)
         (ux, uy), in_loops = self.direction(driver, start, end)
         (ax, ay), of_arm = self.direction(arm, start, pivot) if arm.rate else (("1.0", "0.0"), ("", ""))
         seen = f"{ux} * {ax} + {uy} * {ay}, {uy} * {ax} - {ux} * {ay}" if arm.rate else f"{ux}, {uy}"
