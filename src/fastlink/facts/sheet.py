@@ -643,20 +643,17 @@ def _graded_range(known: Catalogue, gaps: tuple[str, ...] | None) -> GradedRange
             sampled.append(name)
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
-    of_pieces: dict[str, Any] = {
-        "gaps": gaps,
-        "cells_otherwise": 64,
-        "antisymmetric": (),
-        "vanish_at_one_end": (),
-    }
-    of_pieces["ends"] = tuple(names[5:] for names in PIECE_ENDS)
-    return GradedRange(
-        bounded_factor="share_of_sigma" if gaps is None else "toward_limits",
+    found = GradedRange(
+        bounded_factor="share_of_sigma",
         not_differentiable=tuple(dict.fromkeys(sampled)),
         wraps_at=wraps,
         windings={name: turns for name, turns in jumping.items() if name not in sampled},
-        **({} if gaps is None else of_pieces),
     )
+    if gaps is None:
+        return found
+    of_pieces: dict[str, Any] = {"ends": tuple(names[5:] for names in PIECE_ENDS), "cells_otherwise": 64}
+    of_pieces |= {"antisymmetric": (), "vanish_at_one_end": ()}
+    return replace(found, bounded_factor="toward_limits", gaps=gaps, **of_pieces)
 
 
 def _steps_of(known: Catalogue) -> list[Fact | System]:
