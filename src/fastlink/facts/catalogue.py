@@ -210,11 +210,9 @@ def name_below(name: str, variant: str) -> str:
 
 def replaced_by(variant: str, fact: Fact) -> Fact:
     """Return a fact under the names by which the fact of a variant, if any, uses it."""
-    return (
-        fact.renamed(lambda name: name_below(name, variant) if name in fact.names else name)
-        if variant
-        else fact
-    )
+    if not variant:
+        return fact
+    return fact.renamed(lambda name: name_below(name, variant) if name in fact.names else name)
 
 
 #: The magnitude of a value.

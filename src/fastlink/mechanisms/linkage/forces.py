@@ -253,6 +253,10 @@ class Forces:
         """Return a vector by the coordinates of points."""
         return NONE if start == end else difference(self.writer.points[end], self.writer.points[start])
 
+    def lever(self, body: Body, point: str) -> Pair:
+        """Return the vector from the first joint of a link to a point, by coordinates."""
+        return NONE if body.link is None else self.between(body.at, point)
+
     def need(self, body: Body, point: str, force: Pair) -> None:
         """Let a link need a force in a point of it."""
         for needs, arm in ((body.own, body.arm(point)), (body.dense, self.between(body.at, point))):
@@ -397,15 +401,8 @@ class Forces:
     def column(self, unknown: str, unit: Pair, point: str, on: Body, by: Body | None) -> None:
         """Note on what an unknown force along a unit vector acts, and from where."""
         found = self.columns.setdefault(unknown, [])
-        arm = NONE if on.link is None else self.between(on.at, point)
-        found.append((on.name, *unit, moment(arm, unit)))
-        arm = (
-            self.writer.points[point]
-            if by is None
-            else NONE
-            if by.link is None
-            else self.between(by.at, point)
-        )
+        found.append((on.name, *unit, moment(self.lever(on, point), unit)))
+        arm = self.writer.points[point] if by is None else self.lever(by, point)
         name = self.ground if by is None else by.name
         found.append((name, negative(unit[0]), negative(unit[1]), negative(moment(arm, unit))))
 
@@ -421,11 +418,8 @@ class Forces:
 
     def solve_rrr(self, placed: Placed) -> None:
         """Write the joint forces of two bars."""
-        (one, other), (a, d), b = (
-            (self.bodies[link.name] for link in placed.links),
-            placed.points,
-            placed.name,
-        )
+        one, other = (self.bodies[link.name] for link in placed.links)
+        (a, d), b = placed.points, placed.name
         (x1, y1), about_a = self.needs(one)
         (x2, y2), about_d = self.needs(other)
         per = f"per_cross_{b}"

@@ -22,6 +22,7 @@ from typing import Any, Literal
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, check_choice, remark, suggest
+from fastlink.facts.fact import Input, Rule
 from fastlink.facts.names import derivative_name
 from fastlink.facts.own import check_name
 from fastlink.facts.sheet import entries_of
@@ -324,18 +325,15 @@ class Writer:
     # -- reading -------------------------------------------------------------------------------------------------------
 
     def value(
-        self, where: KeyPath, given: Any, name: str, units: str, meaning: str, rule: str = "any"
+        self, where: KeyPath, given: Any, name: str, units: str, meaning: str, rule: Rule = "any"
     ) -> str:
         """Return the name of an input, or of one with a number as its default; 0 is no input."""
         if isinstance(given, str):
             name = given
             if NAME.match(name) is None or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) is None:
-                quoted = re.fullmatch(r"[-+.\d][-+.\deE]*", name)
-                remedy = (
-                    "write a number without quotes"
-                    if quoted
-                    else "write letters, digits and single _, or a number"
-                )
+                remedy = "write letters, digits and single _, or a number"
+                if re.fullmatch(r"[-+.\d][-+.\deE]*", name):
+                    remedy = "write a number without quotes"
                 raise InputError(f"is {given!r}, which is no name", where, remedy)
             check_name(name)
             of, unit = ends_in_unit(name, units)
@@ -353,11 +351,7 @@ class Writer:
         if rule != "any" and f"rule: {rule}" not in lines:
             lines.append(f"rule: {rule}")
         default = self.declared["defaults"].get(name) if isinstance(given, str) else float(given)
-        if (
-            default is not None
-            and (default < 0.0 or (default == 0.0 and rule == "positive"))
-            and rule != "any"
-        ):
+        if default is not None and not Input(name, units, name, meaning, rule).allows(default):
             whose = f", the default of {name}" if isinstance(given, str) else ""
             raise InputError(f"is {float(default)!r}{whose}, not {rule}", where, "write another number")
         if default is not None and units == "rad" and looks_like_degrees(default):
@@ -398,7 +392,7 @@ class Writer:
         return given[0], given[1]
 
     def values(
-        self, where: KeyPath, given: Any, noun: str, *of: Pair, units: str = "m", rule: str = "any"
+        self, where: KeyPath, given: Any, noun: str, *of: Pair, units: str = "m", rule: Rule = "any"
     ) -> Pair:
         """Return the names of two inputs, each by its usual name and meaning."""
         pair = self.pair(where, given, noun)
@@ -676,12 +670,9 @@ class Writer:
                 words = list(given) if isinstance(given, Mapping) else []
                 kind = next((word for word in words if word in KINDS), "")
                 if not kind:
-                    said = (
-                        f"is {short_repr(given)}"
-                        if not words
-                        else f"has no kind, but {', '.join(map(repr, words))}"
-                    )
-                    raise InputError(said, (), f"write one of {'; '.join(SHAPES.values())}")
+                    said = f"has no kind, but {', '.join(map(repr, words))}"
+                    remedy = f"write one of {'; '.join(SHAPES.values())}"
+                    raise InputError(said if words else f"is {short_repr(given)}", (), remedy)
                 known = [kind, *KINDS[kind].replace("[", "").replace("]", "").split()]
                 for word in words:
                     check_choice((word,), word, known)
@@ -697,11 +688,8 @@ class Writer:
         outer = self.pair(("rrr",), given["rrr"], "points")
         a, d = (self.point(("rrr",), one) for one in outer)
         if a == d or any(a in link.points and d in link.points for link in self.links):
-            raise InputError(
-                f"{a} and {d} are of one link, on which {name} would be fixed",
-                ("rrr",),
-                f"write {SHAPES['on']}",
-            )
+            what = f"{a} and {d} are of one link, on which {name} would be fixed"
+            raise InputError(what, ("rrr",), f"write {SHAPES['on']}")
         first, second = a + name, d + name
         of = ((f"{OF_NUMBER}{bar}", f"length of the bar {bar}") for bar in (first, second))
         l1, l2 = self.values(("lengths",), given["lengths"], "lengths", *of, rule="positive")
@@ -819,11 +807,9 @@ class Writer:
         of, (at, ends) = self.in_loops[a], self.slid(line, slide)
         x, y = (minus(of[k], f"({ends[k]})") for k in range(2))
         along = f"(({x}) * {lx} + ({y}) * {ly})"
-        self.rows.append(
-            f"    | {along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})"
-            if angle
-            else f"    | {along}"
-        )
+        if angle:
+            along = f"{along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})"
+        self.rows.append(f"    | {along}")
         self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), line.link.rate))
         self.placed.append(Placed("rpp", name, (self.links[-1],), (a,), (line,), angle))
         self.owners[name] = self.links[-1]
@@ -991,11 +977,8 @@ class Writer:
                 )
         self.problems.stop()
         if len(self.ways) > MOST_WAYS:
-            raise InputError(
-                f"{len(self.ways)} dyads have two ways each",
-                ("linkage", "dyads"),
-                f"write at most {MOST_WAYS}",
-            )
+            what = f"{len(self.ways)} dyads have two ways each"
+            raise InputError(what, ("linkage", "dyads"), f"write at most {MOST_WAYS}")
         if self.least:
             head = "least_transmission_angle [rad] mu: Least acute transmission angle of all dyads"
             self.fact(head, f"= {self.least}")
@@ -1009,28 +992,18 @@ class Writer:
                 *lines,
                 f"= {first} * select({rest} >= {2.0**k}, -1.0, 1.0)",
             )
-        name, title = (
-            str(self.declared["name"]),
-            str(self.declared["title"] or f"Linkage {self.declared['name']}"),
-        )
+        name = str(self.declared["name"])
+        title = str(self.declared["title"] or f"Linkage {name}")
         branches = []
         for number in range(2 ** len(self.ways)):
             words = [ways[number >> k & 1] for k, (_, ways, _) in enumerate(self.ways)]
             branches.append(f"{number + 1}: {'; '.join(words) or 'the only one'}")
-        inputs = [
-            line
-            for lines in self.inputs.values()
-            for line in (lines[0], *(f"    {one}" for one in lines[1:]))
-        ]
+        inputs = ["\n    ".join(lines) for lines in self.inputs.values()]
         drive = f"crank angle; direction of {self.links[1].name}"
         if "slider" in self.declared:
             drive = f"place of {self.placed[0].name} in its stroke; at the ends at 0 and pi"
         parts = ["[mechanism]", f"{name}: {title}", "[position]"]
-        parts += [
-            f"theta [rad] theta: {drive}",
-            "[branches]",
-            *branches,
-        ]
+        parts += [f"theta [rad] theta: {drive}", "[branches]", *branches]
         closes = ["[closes]", *(f"{gap}: {what}" for gap, what in self.gaps.items())]
         parts += [*closes, "[inputs]", *inputs]
         parts += ["## docs/linkages.md", "[facts]", *self.facts, *variant]
