@@ -17,6 +17,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cache
 from string import Template
 from typing import Any, Literal
 
@@ -154,9 +155,15 @@ def difference(a: Pair, b: Pair) -> Pair:
 
 
 class Part(Template):
-    """A part of a sheet: words end before an underscore."""
+    """An entry of a part of a sheet: words end before an underscore."""
 
     idpattern = "[a-z]+[0-9]?"
+
+
+@cache
+def entries_of_part(part: str) -> list[Part]:
+    """Return the entries of a part of a sheet, each with its lines."""
+    return [Part("\n".join((one.head, *one.lines))) for one in entries_of(part, "")]
 
 
 #: What follows from the motion of a point.
@@ -418,15 +425,14 @@ class Writer:
     def fact(self, head: str, *lines: str) -> None:
         """Append a fact, and note whether it moves."""
         self.facts += [head, *(f"    {line}" for line in lines)]
-        words = set(re.findall(r"\w+", " ".join(lines)))
-        if words & self.moving:
+        if not self.moving.isdisjoint(re.findall(r"\w+", " ".join(lines))):
             name = head.removeprefix("step ").partition(" ")[0]
             self.moving |= {name, slope_of(name)}
 
     def write(self, part: str, **words: str) -> None:
         """Append a part of a sheet, and note which of its facts move."""
-        for entry in entries_of(Part(part).substitute(words), ""):
-            self.fact(entry.head, *entry.lines)
+        for entry in entries_of_part(part):
+            self.fact(*entry.substitute(words).split("\n"))
 
     def rate(self, name: str) -> str:
         """Return the derivative of a fact by time as text, 0 times the speed where it does not move."""
