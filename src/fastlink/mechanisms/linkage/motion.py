@@ -198,7 +198,7 @@ REACH_SQUARED = """
 step reach_$b_squared [m2] |$p$q|^2: Square of the distance of $p and $q
     = reach_$b_x * reach_$b_x + reach_$b_y * reach_$b_y
 """
-# divisions are most of what a configuration costs: one of the design, one here, one of the rates
+# Divisions are most of what a configuration costs: per_sum is of the design, per_reach and per_cross are of it.
 RRR = """
 step sum_$b_squared [m2] ($first + $second)^2: Square of the length of both bars
     = select(($l1 > 0.0) & ($l2 > 0.0), ($l1 + $l2) * ($l1 + $l2), NOT_A_NUMBER)
@@ -738,6 +738,7 @@ class Writer:
         self.add_ways(name, (f"{name} ahead of {a} along the line", f"{name} behind it"), f"the bar {bar}")
         words = self.reach(name, line.start, a) | {"bar": bar, "length": length}
         words |= {"ux": line.unit[0], "uy": line.unit[1], "turning": f" + {slide} * {turn}" if turn else ""}
+        # here the rate of the line's point less that of the pin
         words["wx"], words["wy"] = difference(self.rate_of(line.start), self.rate_of(a))
         words["more"] = f"({minus(rate, turn)})" if turn else rate
         self.write(RRP, **words)
@@ -774,10 +775,9 @@ class Writer:
         offset = self.value(("offset",), given.get("offset", 0), f"offset_{name}", "m", meaning)
         slide, rate = f"slide_{name}", f"n_{name}"
         words = self.reach(name, d, a) | {"offset": offset, "scale": self.scale}
-        if offset == "0.0":
-            per, through = slide, True
-        else:
-            per, through = f"(sign_{name} * ({self.scale} * gap_{name}_root))", False
+        through = offset == "0.0"
+        per = slide if through else f"(sign_{name} * ({self.scale} * gap_{name}_root))"
+        if not through:
             self.add_ways(name, (f"{a} ahead of {d} along {name}", f"{a} behind it"), f"the slot of {name}")
         more = "" if through else f" + {offset} * {rate}"
         parts = (REACH, RPR) if through else (REACH, REACH_SQUARED, RPR_BESIDE)
