@@ -160,100 +160,6 @@ def of_small_angle(angle: Any, e: Any) -> Any:
     return select((size < SMALL_ANGLE) & (size > 0.0), INFINITY, e)
 
 
-# -- Error bounds where a gap counts as zero: a sum of lengths within their rounding, which decides what a
-#    linkage is
-
-# What is left out is the error of the zero. It is propagated like any other, to the bounds of all that
-# follows; where it may change the choice between two values, the bound covers both. So it does where an
-# error may change a sign.
-
-
-#: A millionth more than what is left out, for the rounding of the bound on its way.
-MARGIN = 1.0 + 2.0**-20
-
-
-def bound_of_zeroed(rules: Rules, node: Node) -> Bound:
-    """Return the bound of a gap that is 0 within the rounding of the lengths: there its size is the error."""
-    (condition, x), graph = node.args, rules.graph
-    bound = rules.of(x)
-    choose = partial(graph.call, zero_where, condition)
-    lost = {choose(low): (times, choose(high)) for low, (times, high) in bound.lost.items()}
-    if x in bound.lost:  # the low word: what is left out is counted with the high one
-        return replace(bound, lost=lost, gap=True)
-    left_out = graph.add(rules.size(x), rules.error(x, rules.settled(x)))
-    left_out = graph.mul(graph.number(MARGIN), left_out)
-    return replace(bound, rest=graph.select(condition, left_out, bound.rest), lost=lost, gap=True)
-
-
-def bound_of_doubtful_choice(rules: Rules, node: Node, every: bool = False) -> Bound:
-    """Return the bound of a choice by a gap, which may be another one if the gap was not set to zero.
-
-    With `every`, each comparison of values that are off may be another one.
-    """
-    graph, (condition, x, y) = rules.graph, node.args
-    a, b = rules.settled(x), rules.settled(y)
-    relative = max(a.relative, b.relative)
-    if y is graph.zero and x.value is sqrt and condition is graph.node(">", x.args[0], y):
-        rest = graph.read(of_root_or_zero, [x.args[0], x, rules.settled(x.args[0]).rest])
-        return Bound(relative, rest, positive=True)
-    errors = [rules.error(x, a), rules.error(y, b), graph.select(condition, a.rest, b.rest)]
-    doubt = _doubt(rules, condition, every)
-    if doubt is None:
-        return Bound(relative, errors[2], positive=a.positive and b.positive)
-    rest = graph.read(of_choice, [doubt, x, y, *errors])
-    return Bound(relative, rest, positive=a.positive and b.positive)
-
-
-def bound_of_sign(rules: Rules, x: Node) -> Bound:
-    """Return the bound of the sign of a value, which is the other one where the error exceeds the value."""
-    graph, bound = rules.graph, rules.settled(x)
-    sign = replace(rules.exact, scale=True)
-    if bound.rest is graph.zero:
-        return sign
-    error = rules.error(x, bound)
-    known = graph.node("|", graph.node("<", error, rules.size(x)), graph.node("==", error, graph.zero))
-    return replace(sign, scale=False, rest=graph.select(known, graph.zero, graph.number(2.0)))
-
-
-#: The bounds of calls of two functions.
-LAWS: dict[Any, Callable[[Rules, Node], Bound]] = {
-    zero_where: bound_of_zeroed,
-    choice: partial(bound_of_doubtful_choice, every=True),
-}
-
-
-def _doubt(rules: Rules, condition: Node, every: bool) -> Node | None:
-    """Return the condition that the errors of the compared values may change a comparison, None if there are none."""
-
-    def parts(node: Node) -> list[Node]:
-        return [part for part in node.args if every or rules.of(part).gap] if joins(node) else []
-
-    def joins(node: Node) -> bool:
-        return node.kind in ("&", "|") or node.args[0].kind in COMPARISONS
-
-    found: dict[Node, Node | None] = {}
-    for node in postorder([condition], parts, found):
-        if joins(node):
-            doubts = [doubt for part in parts(node) if (doubt := found[part]) is not None]
-            found[node] = rules.graph.node("|", *doubts) if doubts[1:] else next(iter(doubts), None)
-        else:
-            found[node] = _doubt_of_one(rules, *node.args)
-    return found[condition]
-
-
-def _doubt_of_one(rules: Rules, x: Node, y: Node) -> Node | None:
-    """Return the condition that the errors of two values may change their comparison, None if there are none."""
-    graph = rules.graph
-    errors = [rules.error(part, rules.settled(part)) for part in (x, y)]
-    if x is y:  # whether there is a number
-        return graph.node("==", errors[0], graph.number(INFINITY))
-    e = graph.add(*errors)
-    if e is graph.zero:
-        return None
-    near = graph.node("<=", graph.call(abs, graph.sub(x, y)), e)
-    return graph.node("&", near, graph.node(">", e, graph.zero))
-
-
 # -- Propagate error bounds through the operations of an expression, each of which adds its own rounding
 
 # Each operation has one rule, as each has one for its derivative. The rules bound the error, not its first
@@ -285,16 +191,35 @@ TABLED = (sin, cos, exp, sinh, cosh)
 BOUNDED_ALONE = (*TABLED, binary_exponent, power_of_two_below)
 
 
-class Rules(Algebra[Bound]):
-    """The bounds of values, by one rule for each operation."""
+#: Roundings of the two fractions of the graded range at an exact x, rest = 1/(1 + x x) and (x x) rest: at most one
+#: each of x x, of the sum, of the quotient and of the product.
+FRACTION = 4.0
+#: A millionth more than what is left out of a gap that counts as zero, for the rounding of the bound on its way.
+MARGIN = 1.0 + 2.0**-20
 
-    def __init__(self) -> None:
+
+# NAME_error is written from the text of a fact, fact by fact: it depends on the bounds of those facts on which the
+# fact depends, unless their relative error is a number known beforehand. It is a `Fact` like any other: kernels paste
+# it, and it runs on floats and arrays.
+
+
+class ErrorBounds(Algebra[Bound]):
+    """The error bounds of a mechanism's facts, by one rule for each operation; given values have none."""
+
+    def __init__(self, of: Selection) -> None:
         super().__init__()
-        self.graph = ExpressionGraph({*WORDS, *BOUNDED_ALONE, absolute, arsinh, ldexp, sign, *LAWS})
+        opaque = {*WORDS, *BOUNDED_ALONE, absolute, arsinh, ldexp, sign, zero_where, choice}
+        self.graph = ExpressionGraph(opaque)
         self.exact = Bound(0.0, self.graph.zero)
+        self.selection, self.catalogue, self.find = of, of.catalogue, of.find
+        self._values: dict[str, Node] = {}
+        self._facts: dict[str, Fact] = {}
 
     def parts(self, node: Node) -> tuple[Node, ...]:
-        """Return the values whose errors determine that of a value."""
+        """Return the values whose bounds determine that of a value; of a name the one that it stands for."""
+        if node.kind == "name":
+            given = node.value in self.catalogue.table_low_parts or self.find(node.value) is None
+            return () if given else (self._value(node.value),)
         if node.kind == "item":
             return node.args[0].args
         if node.value is zero_where:
@@ -446,8 +371,10 @@ class Rules(Algebra[Bound]):
         function, graph = node.value, self.graph
         if function is select:
             return self._of_choice(node, *parts)
-        if function in LAWS:
-            return LAWS[function](self, node)
+        if function is zero_where:
+            return self._of_zeroed(node)
+        if function is choice:
+            return self._of_doubtful_choice(node, every=True)
         if function in TABLED:
             return replace(self.exact, relative=1.0, positive=function in (exp, cosh))
         if function is binary_exponent:
@@ -457,7 +384,7 @@ class Rules(Algebra[Bound]):
         x = node.args[0]
         a = self.settled(x)
         if function is sign:
-            return bound_of_sign(self, x)
+            return self._of_sign(x)
         if function in (abs, absolute, ldexp):
             return replace(a, one=False) if function is ldexp else replace(a, positive=True)
         if function is sqrt:
@@ -484,7 +411,7 @@ class Rules(Algebra[Bound]):
     def _of_choice(self, node: Node, doubtful: Bound, a: Bound, b: Bound) -> Bound:
         condition, x, y = node.args
         if doubtful.gap:
-            return bound_of_doubtful_choice(self, node)
+            return self._of_doubtful_choice(node)
         lost: dict[Node, tuple[float, Node]] = {}
         if a.lost and y.kind == "number" and y.value != y.value:  # else there is no number at all
             lost = {low: (times, node if high is x else high) for low, (times, high) in a.lost.items()}
@@ -516,29 +443,83 @@ class Rules(Algebra[Bound]):
         """Return the effect of an error on a logarithm whose slope is 1/`argument`."""
         return error if error is self.graph.zero else self.graph.read(of_logarithm, [argument, error])
 
+    # -- where a gap counts as zero: a sum of lengths within their rounding, which decides what a linkage is
 
-# -- Error bounds of facts: NAME_error, and NAME_trust, which tells where the bound is small against the
-#    value
+    # What is left out is the error of the zero. It is propagated like any other, to the bounds of all that follows;
+    # where it may change the choice between two values, the bound covers both. So it does where an error may change a
+    # sign.
 
-# The text of a bound is written from that of the fact (`fastlink.facts.bounds`), fact by
-# fact: it depends on the bounds of those facts on which the fact depends, unless their relative error is a
-# number known beforehand. It is a `Fact` like any other: kernels paste it, and it runs on floats and
-# arrays.
+    def _of_zeroed(self, node: Node) -> Bound:
+        """Return the bound of a gap that is 0 within the rounding of the lengths: there its size is the error."""
+        (condition, x), graph = node.args, self.graph
+        bound = self.of(x)
+        choose = partial(graph.call, zero_where, condition)
+        lost = {choose(low): (times, choose(high)) for low, (times, high) in bound.lost.items()}
+        if x in bound.lost:  # the low word: what is left out is counted with the high one
+            return replace(bound, lost=lost, gap=True)
+        left_out = graph.add(self.size(x), self.error(x, self.settled(x)))
+        left_out = graph.mul(graph.number(MARGIN), left_out)
+        return replace(bound, rest=graph.select(condition, left_out, bound.rest), lost=lost, gap=True)
 
+    def _of_doubtful_choice(self, node: Node, every: bool = False) -> Bound:
+        """Return the bound of a choice by a gap, which may be another one if the gap was not set to zero.
 
-#: Roundings of the two fractions of the graded range at an exact x, rest = 1/(1 + x x) and (x x) rest: at most one
-#: each of x x, of the sum, of the quotient and of the product.
-FRACTION = 4.0
+        With `every`, each comparison of values that are off may be another one.
+        """
+        graph, (condition, x, y) = self.graph, node.args
+        a, b = self.settled(x), self.settled(y)
+        relative = max(a.relative, b.relative)
+        if y is graph.zero and x.value is sqrt and condition is graph.node(">", x.args[0], y):
+            rest = graph.read(of_root_or_zero, [x.args[0], x, self.settled(x.args[0]).rest])
+            return Bound(relative, rest, positive=True)
+        errors = [self.error(x, a), self.error(y, b), graph.select(condition, a.rest, b.rest)]
+        doubt = self._doubt(condition, every)
+        if doubt is None:
+            return Bound(relative, errors[2], positive=a.positive and b.positive)
+        rest = graph.read(of_choice, [doubt, x, y, *errors])
+        return Bound(relative, rest, positive=a.positive and b.positive)
 
+    def _of_sign(self, x: Node) -> Bound:
+        """Return the bound of the sign of a value, which is the other one where the error exceeds the value."""
+        graph, bound = self.graph, self.settled(x)
+        sign = replace(self.exact, scale=True)
+        if bound.rest is graph.zero:
+            return sign
+        error = self.error(x, bound)
+        known = graph.node("|", graph.node("<", error, self.size(x)), graph.node("==", error, graph.zero))
+        return replace(sign, scale=False, rest=graph.select(known, graph.zero, graph.number(2.0)))
 
-class ErrorBounds(Rules):
-    """The error bounds of a mechanism's facts; given values have none."""
+    def _doubt(self, condition: Node, every: bool) -> Node | None:
+        """Return the condition that errors may change a comparison, None if there are none."""
 
-    def __init__(self, of: Selection) -> None:
-        super().__init__()
-        self.selection, self.catalogue, self.find = of, of.catalogue, of.find
-        self._values: dict[str, Node] = {}
-        self._facts: dict[str, Fact] = {}
+        def parts(node: Node) -> list[Node]:
+            return [part for part in node.args if every or self.of(part).gap] if joins(node) else []
+
+        def joins(node: Node) -> bool:
+            return node.kind in ("&", "|") or node.args[0].kind in COMPARISONS
+
+        found: dict[Node, Node | None] = {}
+        for node in postorder([condition], parts, found):
+            if joins(node):
+                doubts = [doubt for part in parts(node) if (doubt := found[part]) is not None]
+                found[node] = self.graph.node("|", *doubts) if doubts[1:] else next(iter(doubts), None)
+            else:
+                found[node] = self._doubt_of_one(*node.args)
+        return found[condition]
+
+    def _doubt_of_one(self, x: Node, y: Node) -> Node | None:
+        """Return the condition that the errors of two values may change their comparison, None if there are none."""
+        graph = self.graph
+        errors = [self.error(part, self.settled(part)) for part in (x, y)]
+        if x is y:  # whether there is a number
+            return graph.node("==", errors[0], graph.number(INFINITY))
+        e = graph.add(*errors)
+        if e is graph.zero:
+            return None
+        near = graph.node("<=", graph.call(abs, graph.sub(x, y)), e)
+        return graph.node("&", near, graph.node(">", e, graph.zero))
+
+    # -- facts -----------------------------------------------------------------------------------------------------
 
     def fact(self, name: str) -> Fact:
         """Return the error bound of a fact."""
@@ -589,13 +570,6 @@ class ErrorBounds(Rules):
         return graph.select(graph.node("<", size, infinite), known, size)
 
     # -- names ---------------------------------------------------------------------------------------------------
-
-    def parts(self, node: Node) -> tuple[Node, ...]:
-        """Return the values whose bounds determine that of a value; of a name the one that it stands for."""
-        name = node.value
-        if node.kind != "name" or name in self.catalogue.table_low_parts or self.find(name) is None:
-            return super().parts(node)
-        return (self._value(name),)
 
     def _of_name(self, node: Node, *of_value: Bound) -> Bound:
         name, graph = node.value, self.graph

@@ -210,11 +210,9 @@ def name_below(name: str, variant: str) -> str:
 
 def replaced_by(variant: str, fact: Fact) -> Fact:
     """Return a fact under the names by which the fact of a variant, if any, uses it."""
-    return (
-        fact.renamed(lambda name: name_below(name, variant) if name in fact.names else name)
-        if variant
-        else fact
-    )
+    if not variant:
+        return fact
+    return fact.renamed(lambda name: name_below(name, variant) if name in fact.names else name)
 
 
 #: The magnitude of a value.
@@ -309,8 +307,7 @@ class Catalogue:
         """Declare a fact, of a variant if one is named."""
         self._check_labels(fact, "units", "symbol", "source", "meaning")
         if fact.low is not None and not fact.internal:
-            what = f"fact {fact.name} has a low part, and is not internal"
-            raise CatalogueError(f"{self.name}: {what}; make it a step")
+            raise self._fault(f"fact {fact.name} has a low part, and is not internal", "make it a step")
         known: Any = self.variants.setdefault(variant, {}) if variant else self.facts
         for each in fact.names:
             self._check_name(each, variant, public=not fact.internal)
@@ -329,8 +326,9 @@ class Catalogue:
         """
         self._check_name(fact.name, None)
         if fact.depends_on != (self.position.name,):
-            what = f"table {fact.name} must depend on {self.position.name} alone"
-            raise CatalogueError(f"{self.name}: {what}; make it a step")
+            raise self._fault(
+                f"table {fact.name} must depend on {self.position.name} alone", "make it a step"
+            )
         self.tables[fact.name] = fact
         if low is not None:
             self._check_name(low, None)
@@ -354,8 +352,8 @@ class Catalogue:
         of = str(tree.of) if isinstance(tree, Derivative) else ""
         fact = self.facts.get(of) or self.tables.get(of) or self.variants.get(variant or "", {}).get(of)
         if not isinstance(fact, Fact) or not isinstance(tree, Derivative):
-            what = f"{name} is no derivative of a fact by an input"
-            raise CatalogueError(f"{self.name}: {what}; write NAME [units] symbol: meaning, as of a fact")
+            remedy = "write NAME [units] symbol: meaning, as of a fact"
+            raise self._fault(f"{name} is no derivative of a fact by an input", remedy)
         labels = labelled(fact, tree, self.variables)
         declared = replace(labels, formula=formula, depends_on=formula.parameters, internal=True)
         self._check_new(declared.name, variant)
@@ -401,12 +399,12 @@ class Catalogue:
         for label in labels:
             if not getattr(declared, label):
                 kind = "input" if isinstance(declared, Input) else "fact"
-                raise CatalogueError(f"{self.name}: {kind} {declared.name} has no {label}; write it")
+                raise self._fault(f"{kind} {declared.name} has no {label}", "write it")
 
     def _check_new(self, name: str, variant: str | None) -> None:
         of_variant = (*self.variants.get(variant or "", {}), *self.variant_inputs.get(variant or "", {}))
         if self._is_own(name) if variant is None else name in of_variant:
-            raise CatalogueError(f"{self.name}: {name} is declared twice; call one otherwise")
+            raise self._fault(f"{name} is declared twice", "call one otherwise")
 
     def _check_name(self, name: str, variant: str | None, public: bool = False) -> None:
         """Refuse a name that is declared, or that is part of another, or made of one."""
@@ -414,9 +412,7 @@ class Catalogue:
         self.check_reading(name)
         for other, of_cycle in self._formed.get(name, ()):
             if other not in self.hiding and (public or not of_cycle):
-                raise CatalogueError(
-                    f"{self.name}: with {name}, {other} reads as made of it; call one otherwise"
-                )
+                raise self._fault(f"with {name}, {other} reads as made of it", "call one otherwise")
         form = form_of(name, self)
         if form is not None:
             of_cycle = isinstance(bounded_of(form), (Reduced, ListOfExtrema))
@@ -426,14 +422,12 @@ class Catalogue:
         """Refuse a fact with the name of a variant, but for one that an input of that name replaces."""
         named = name in self.variants or name in self.variant_inputs
         if named and name in self.facts and name not in self.variant_inputs.get(name, {}):
-            raise CatalogueError(
-                f"{self.name}: {name} is the name of a fact and of a variant; call one otherwise"
-            )
+            raise self._fault(f"{name} is the name of a fact and of a variant", "call one otherwise")
 
     def check_reading(self, name: str) -> None:
-        """Raise CatalogueError if a name reads as made of another one."""
+        """Refuse a name that reads as made of another one."""
         if name not in self.hiding and (tree := reading_of(name, self)):
-            raise CatalogueError(f"{self.name}: {name} reads as {tree!r}; call it otherwise")
+            raise self._fault(f"{name} reads as {tree!r}", "call it otherwise")
 
     # -- inputs: own ones, those of variants, tolerances; which variants they select, which exclude others
 
@@ -577,7 +571,7 @@ class Catalogue:
         return plain_part(self.parse(name)) in self._varying
 
     def check(self) -> None:
-        """Raise CatalogueError if a formula is none, a name is not declared, or a fact depends on itself."""
+        """Raise SheetError if a formula is none, a name is not declared, or a fact depends on itself."""
         sets: tuple[Mapping[str, Fact | System], ...] = (self.facts, self.tables, *self.variants.values())
         for steps in sets:
             for step in steps.values():
@@ -589,7 +583,7 @@ class Catalogue:
                 step = steps[name]
                 if isinstance(step, System) or not step.internal:
                     what = f"{variant} gives {name}, which is not a quantity or input"
-                    raise self._fault(step, what, "declare it in [facts] or [inputs], or make it a step")
+                    raise self._fault(what, "declare it in [facts] or [inputs], or make it a step", step)
         derivatives = {name for name in self.facts if self.is_derivative(name)}
         for name in set(self.facts) - derivatives:
             self.check_reading(name)
@@ -610,7 +604,7 @@ class Catalogue:
         sizes, n = [len(getattr(row, "elts", ())) for row in rows], len(system.unknowns)
         if sizes != [n + 1] * n:
             what = f"system {system.name} of {n} unknowns has rows of {', '.join(map(str, sizes))} numbers"
-            raise self._fault(system, what, f"write {n} rows of {n + 1}, the right-hand side last")
+            raise self._fault(what, f"write {n} rows of {n + 1}, the right-hand side last", system)
 
     def is_quantity(self, name: str) -> bool:
         """Tell whether a name is a public fact, or a derivative or error bound of one."""
@@ -698,7 +692,7 @@ class Catalogue:
                 yield steps[name]
         except CircularError as error:
             what = f"circular: {' -> '.join(error.args)}"
-            raise self._fault(steps[error.args[0]], what, "let one of them depend on inputs") from None
+            raise self._fault(what, "let one of them depend on inputs", steps[error.args[0]]) from None
 
     def models_of(self, name: str) -> tuple[Model, ...]:
         """Return the models of the links that give an input."""
@@ -722,9 +716,9 @@ class Catalogue:
         if declared is not None:
             return InputError.of([self.missing_problem(declared, dependent)])
         what = f"{dependent} depends on {name}, which" if dependent else name
-        return self._fault(step, f"{what} is not declared", "declare it, or mend the name")
+        return self._fault(f"{what} is not declared", "declare it, or mend the name", step)
 
-    def _fault(self, step: Fact | System | None, what: str, remedy: str) -> CatalogueError:
-        """Return the error of a step, by the line of its sheet if it has one."""
+    def _fault(self, what: str, remedy: str, step: Fact | System | None = None) -> SheetError:
+        """Return the error of a declaration, of a step by the line of its sheet if it has one."""
         place = step.formula.place if step else ""
         return SheetError(place or self.name, what, remedy)

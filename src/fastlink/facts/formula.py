@@ -103,7 +103,8 @@ class Formula:
         """Return the function with other values in place of some constants."""
         names = {name: self.names.get(name, abs) for name in self.uses}
         names |= {name: exact[value] for name, value in names.items() if _in(exact, value)}
-        tree = parsed(self._as_function(self.lines))
+        head = f"def formula({', '.join(self.parameters)}):"
+        tree = parsed("\n    ".join([head, *self.lines]) + "\n")
         if exact:
             numbers = {value: f"_exact{k}" for k, value in enumerate(exact)}
             names |= {name: exact[value] for value, name in numbers.items()}
@@ -111,9 +112,6 @@ class Formula:
         exec(compile(tree, self.file, "exec"), names)
         found: Callable[..., Any] = names["formula"]
         return found
-
-    def _as_function(self, lines: Iterable[str]) -> str:
-        return "\n    ".join([f"def formula({', '.join(self.parameters)}):", *lines]) + "\n"
 
     @cached_property
     def body(self) -> list[ast.stmt]:

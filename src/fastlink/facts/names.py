@@ -31,7 +31,7 @@ Declarations refuse a name that rules 1 and 3 read otherwise if its innermost na
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from fastlink.facts.formula import CatalogueError
 
@@ -79,9 +79,13 @@ class Quantity(Name):
 
 @dataclass(frozen=True)
 class Made(Name):
-    """A name composed of another one, `of`."""
+    """A name composed of another one, `of`, by an ending unless it says otherwise."""
 
     of: Name
+    ending: ClassVar[str]
+
+    def __str__(self) -> str:
+        return f"{self.of}{self.ending}"
 
 
 @dataclass(frozen=True)
@@ -95,36 +99,28 @@ class Derivative(Made):
         return f"{BEFORE}{self.of}{BY}{self.by}{MOVING if self.moving else ''}"
 
 
-@dataclass(frozen=True)
 class ErrorBound(Made):
     """The bound of the rounding error of a quantity."""
 
-    def __str__(self) -> str:
-        return f"{self.of}{ERROR}"
+    ending = ERROR
 
 
-@dataclass(frozen=True)
 class Trust(Made):
     """Whether the error bound of a quantity is small against its value."""
 
-    def __str__(self) -> str:
-        return f"{self.of}{TRUST}"
+    ending = TRUST
 
 
-@dataclass(frozen=True)
 class Size(Made):
     """The magnitude of a quantity."""
 
-    def __str__(self) -> str:
-        return size_name(str(self.of))
+    ending = SIZE
 
 
-@dataclass(frozen=True)
 class GradientStatus(Made):
     """The status of the derivatives of a reduction by the inputs: smooth, one-sided, none."""
 
-    def __str__(self) -> str:
-        return f"{self.of}{STATUS}"
+    ending = STATUS
 
 
 @dataclass(frozen=True)
@@ -313,12 +309,9 @@ def _within(name: str, known: Catalogue) -> Name:
 
 def _of_position(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a name whose ending means a value at a position, else None."""
-    if name.endswith(ERROR) and name != ERROR:
-        return ErrorBound(_within(name.removesuffix(ERROR), known))
-    if name.endswith(TRUST) and name != TRUST:
-        return Trust(_within(name.removesuffix(TRUST), known))
-    if name.endswith(SIZE) and name != SIZE:
-        return Size(_within(signed(name), known))
+    for made in (ErrorBound, Trust, Size):
+        if name.endswith(made.ending) and name != made.ending:
+            return made(_within(name.removesuffix(made.ending), known))
     for ending, how in CHANGES.items():
         if name.endswith(ending) and name != ending:
             return Change(_within(name.removesuffix(ending), known), how)
@@ -330,25 +323,26 @@ def _of_cycle(name: str, known: Catalogue) -> Name | None:
     """Return the tree of a name whose ending means a property of the cycle, or the error bound of one, else None."""
     if tree := _over_cycle(name, known):
         return tree
-    for ending, made in ((ERROR, ErrorBound), (STATUS, GradientStatus)):
-        inner = name.removesuffix(ending)
-        # a declared name that ends as a reduction is its declaration
-        of = _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
+    for made in (ErrorBound, GradientStatus):
+        of = _inner_over_cycle(name, made.ending, known)
         if of and (made is ErrorBound or (isinstance(of, Reduced) and not of.position)):
             return made(of)
-    inner = name.removesuffix(ERROR)
-    bounded = _change_of_cycle(inner, known) if inner != name else None
-    return ErrorBound(bounded) if bounded else _change_of_cycle(name, known)
+    bounded = _change_of_cycle(name.removesuffix(ERROR), known)
+    return ErrorBound(bounded) if bounded and name.endswith(ERROR) else bounded
 
 
 def _change_of_cycle(name: str, known: Catalogue) -> Change | None:
     """Return the tree of a name whose ending means the change of a property of the cycle, else None."""
     for ending, how in CHANGES.items():
-        inner = name.removesuffix(ending)
-        of = _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
-        if of:
+        if of := _inner_over_cycle(name, ending, known):
             return Change(of, how)
     return None
+
+
+def _inner_over_cycle(name: str, ending: str, known: Catalogue) -> Name | None:
+    """Return the tree of a name before an ending, if it means a property of the cycle and is not declared itself."""
+    inner = name.removesuffix(ending)
+    return _over_cycle(inner, known) if inner != name and not known.declares(inner) else None
 
 
 def _over_cycle(name: str, known: Catalogue) -> Name | None:

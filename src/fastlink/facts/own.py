@@ -36,7 +36,7 @@ from fastlink.facts.expression import (
     winding,
 )
 from fastlink.facts.fact import Fact, Input, System
-from fastlink.facts.formula import NAMESPACE, CatalogueError, Formula
+from fastlink.facts.formula import NAMESPACE, Formula, SheetError
 from fastlink.facts.names import (
     ErrorBound,
     ListOfExtrema,
@@ -808,9 +808,8 @@ def extended(
                 own.declare_input(one)
             elif first is None or all(own.declares(plain_part(own.parse(name))) for name in one.parameters):
                 _declare(own, one)
-        except CatalogueError as error:
-            what, _, _remedy = str(error).removeprefix(f"{own.name}: ").partition("; ")
-            raise InputError(what, where=(one.name,), remedy="call it otherwise") from None
+        except SheetError as error:
+            raise InputError(error.what, (one.name,), "call it otherwise") from None
     return own
 
 

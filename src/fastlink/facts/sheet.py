@@ -70,7 +70,7 @@ from fastlink.facts.fact import (
     root_of_gap,
     slope_of_gap,
 )
-from fastlink.facts.formula import NAMESPACE, WORD, CatalogueError, Formula, SheetError
+from fastlink.facts.formula import NAMESPACE, WORD, Formula, SheetError
 from fastlink.facts.names import derivative_name, root_of
 from fastlink.facts.own import check_units, declared_step, is_reserved
 from fastlink.facts.powers import Powers, UnlikePowers
@@ -208,11 +208,10 @@ def read_sheet(text: str, file: str, *catalogues: Catalogue) -> None:
         for catalogue in catalogues:
             try:
                 _declare(catalogue, entry, said, lines, names)
-            except SheetError:
-                raise
-            except CatalogueError as error:
-                what, _, remedy = str(error).removeprefix(f"{catalogue.name}: ").partition("; ")
-                raise entry.refused(what, remedy) from None
+            except SheetError as error:
+                if error.place != catalogue.name:
+                    raise
+                raise entry.refused(error.what, error.remedy) from None
 
 
 def _declare(
@@ -454,13 +453,7 @@ def mechanism_of(text: str, file: str) -> Catalogue:
     read_sheet("\n".join([head, *missing]), "what every sheet gets", found)
     found.closes = ("sigma", "p", "q") if gaps is None else ("closes",)
     found.graded = _graded_range(found, gaps)
-    try:
-        found.check()
-    except SheetError:
-        raise
-    except CatalogueError as error:
-        what = str(error).removeprefix(f"{found.name}: ")
-        raise SheetError(file, what, "declare it as an input or a fact, or mend its name") from None
+    found.check()
     for name, problem in wrong_units(found).items():
         place = found.facts[name].formula.place if name in found.facts else file
         raise SheetError(place, f"{name} {problem}", "mend its units, or its formula")
@@ -650,20 +643,17 @@ def _graded_range(known: Catalogue, gaps: tuple[str, ...] | None) -> GradedRange
             sampled.append(name)
     jumping = {name: windings[name] for name in known.public if windings[name] and name not in wraps}
     sampled += [name for name, turns in jumping.items() if not turns.keys() <= wraps.keys()]
-    of_pieces: dict[str, Any] = {
-        "gaps": gaps,
-        "cells_otherwise": 64,
-        "antisymmetric": (),
-        "vanish_at_one_end": (),
-    }
-    of_pieces["ends"] = tuple(names[5:] for names in PIECE_ENDS)
-    return GradedRange(
-        bounded_factor="share_of_sigma" if gaps is None else "toward_limits",
+    found = GradedRange(
+        bounded_factor="share_of_sigma",
         not_differentiable=tuple(dict.fromkeys(sampled)),
         wraps_at=wraps,
         windings={name: turns for name, turns in jumping.items() if name not in sampled},
-        **({} if gaps is None else of_pieces),
     )
+    if gaps is None:
+        return found
+    of_pieces: dict[str, Any] = {"ends": tuple(names[5:] for names in PIECE_ENDS), "cells_otherwise": 64}
+    of_pieces |= {"antisymmetric": (), "vanish_at_one_end": ()}
+    return replace(found, bounded_factor="toward_limits", gaps=gaps, **of_pieces)
 
 
 def _steps_of(known: Catalogue) -> list[Fact | System]:

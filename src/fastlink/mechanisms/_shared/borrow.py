@@ -105,42 +105,29 @@ def borrow(
 
 
 def borrow_range(
-    borrower: Catalogue,
-    lender: Catalogue,
-    names: Mapping[str, str],
-    prefix: str,
-    known: Mapping[str, str],
-    searched: Mapping[str, str],
-    **fields: Any,
+    borrower: Catalogue, lender: Catalogue, names: Mapping[str, str], prefix: str, **fields: Any
 ) -> None:
-    """Declare the graded range of one mechanism in another, with all that it needs, see `borrow`.
-
-    `known` has for quantities of the borrower those of the lender with extremes at the same places, `searched` those
-    with as many cells and extremes.
-    """
+    """Declare the graded range of the four-bar MABN, with all that it needs, in another mechanism; see `borrow`."""
     graded = lender.graded
     assert graded is not None
     rename = renaming(lender, {leaf: leaf for leaf in graded.coordinates} | dict(names), prefix)
     places = [fact for fact in lender.variants[graded.name].values() if isinstance(fact, Fact)]
     needed = {need for fact in places for need in fact.depends_on}.intersection(lender.facts)
     needed |= {graded.bounded_factor, graded.reciprocal, *(name for end in graded.ends for name in end)}
-    at = {name: graded.known[lent] for name, lent in known.items()}
+    at = {name: graded.known[lent] for name, lent in KNOWN_OF_MABN.items()}
     needed |= {fact for of in at.values() for fact in of.facts}
     borrow(borrower, lender, names, prefix, {name: {} for name in sorted(needed)})
     borrower.variants[graded.name] = {rename(fact.name): fact.renamed(rename) for fact in places}
-    (low, high) = graded.ends
+    ends: Any = tuple(tuple(map(rename, end)) for end in graded.ends)
     borrower.graded = replace(
         graded,
-        ends=(
-            (rename(low[0]), rename(low[1]), rename(low[2])),
-            (rename(high[0]), rename(high[1]), rename(high[2])),
-        ),
+        ends=ends,
         antisymmetric=tuple(map(rename, graded.antisymmetric)),
         vanishes_at_toggle=rename(graded.vanishes_at_toggle),
         reciprocal=rename(graded.reciprocal),
         bounded_factor=rename(graded.bounded_factor),
-        cells={name: graded.cells[lent] for name, lent in searched.items()},
-        max_extrema={name: graded.max_extrema[lent] for name, lent in searched.items()},
+        cells={name: graded.cells[lent] for name, lent in SEARCHED_OF_MABN.items()},
+        max_extrema={name: graded.max_extrema[lent] for name, lent in SEARCHED_OF_MABN.items()},
         known={name: of.renamed(rename) for name, of in at.items()},
         **fields,
     )

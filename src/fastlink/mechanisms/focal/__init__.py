@@ -12,14 +12,7 @@ from typing import Any
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import GradedRange, Input, KnownExtremes
 from fastlink.facts.sheet import read_sheets
-from fastlink.mechanisms._shared.borrow import (
-    KNOWN_OF_MABN,
-    SEARCHED_OF_MABN,
-    ByOtherInput,
-    borrow,
-    borrow_range,
-    borrow_tables,
-)
+from fastlink.mechanisms._shared.borrow import ByOtherInput, borrow, borrow_range, borrow_tables
 from fastlink.mechanisms._shared.picture import Bar, Circle, Guide, Locus, Picture, Point, joint
 from fastlink.mechanisms.planar_4r import planar_4r
 
@@ -146,8 +139,6 @@ borrow_range(
     planar_4r,
     NAMES,
     PREFIX,
-    known=KNOWN_OF_MABN,
-    searched=SEARCHED_OF_MABN,
     not_differentiable=("closure_residual", "F_path_residual", *POLES),
     wraps_at={
         "psi": "NB_y",

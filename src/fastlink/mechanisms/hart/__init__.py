@@ -12,14 +12,7 @@ from typing import Any
 from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.fact import Input
 from fastlink.facts.sheet import read_sheets
-from fastlink.mechanisms._shared.borrow import (
-    KNOWN_OF_MABN,
-    SEARCHED_OF_MABN,
-    ByOtherInput,
-    borrow,
-    borrow_range,
-    borrow_tables,
-)
+from fastlink.mechanisms._shared.borrow import ByOtherInput, borrow, borrow_range, borrow_tables
 from fastlink.mechanisms._shared.picture import Bar, Guide, Picture, Point, joint
 from fastlink.mechanisms.planar_4r import planar_4r
 
@@ -92,8 +85,6 @@ borrow_range(
     planar_4r,
     NAMES,
     PREFIX,
-    known=KNOWN_OF_MABN,
-    searched=SEARCHED_OF_MABN,
     not_differentiable=("F_x", "F_along_AB", "F_deviation", "closure_residual"),
     wraps_at={"psi": "B_y", "omega_angle": "sine_part"},
 )

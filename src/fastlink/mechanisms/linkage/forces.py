@@ -19,7 +19,18 @@ from typing import Any
 from fastlink._text import short_repr
 from fastlink.errors import InputError, check_choice, suggest
 from fastlink.mechanisms._shared.picture import Force, Torque
-from fastlink.mechanisms.linkage.motion import Line, Link, Pair, Placed, Writer, minus, plus, times
+from fastlink.mechanisms.linkage.motion import (
+    COORDINATES,
+    Line,
+    Link,
+    Pair,
+    Placed,
+    Writer,
+    difference,
+    minus,
+    plus,
+    times,
+)
 
 MASS = '{"mass": "m2", "inertia": "I2", "centre": ("G2_u", "G2_v")}'
 BAR = "round_bar"
@@ -152,12 +163,8 @@ class Forces:
 
     def vector(self, given: Any, name: str, units: str, meaning: str) -> Pair:
         """Return the names of two inputs."""
-        pair = self.writer.pair((), given, "components: names of inputs, or numbers")
-        x, y = (
-            self.writer.value((), one, f"{name}_{axis}", units, f"{meaning}, {axis}")
-            for one, axis in zip(pair, "xy", strict=True)
-        )
-        return x, y
+        of = ((f"{name}_{axis}", f"{meaning}, {axis}") for axis in "xy")
+        return self.writer.values((), given, "components: names of inputs, or numbers", *of, units=units)
 
     def body_of(self, name: str) -> tuple[Body, str]:
         """Return a link and no point, or the link of a point and that."""
@@ -196,14 +203,10 @@ class Forces:
         inertia, about = "0.0", f"moment of inertia of {name}; about its mass centre"
         if "inertia" in given:
             inertia = value(("inertia",), given["inertia"], f"inertia_{name}", "kg m2", about, "non-negative")
-        centre = self.writer.pair(
-            ("centre",), given["centre"], "coordinates: names of inputs, or numbers in m"
-        )
-        u, v = (
-            value(("centre",), one, f"G_{name}_{axis}", "m", f"mass centre of {name}, {what} its axis")
-            for one, axis, what in zip(centre, "uv", ("along", "left of"), strict=True)
-        )
-        self.add_mass(body, mass, inertia, (u, v))
+        ways = (("u", "along"), ("v", "left of"))
+        of = ((f"G_{name}_{axis}", f"mass centre of {name}, {way} its axis") for axis, way in ways)
+        centre = self.writer.values(("centre",), given["centre"], COORDINATES, *of)
+        self.add_mass(body, mass, inertia, centre)
 
     def round_bar(self, link: Link) -> Pair:
         """Return mass and moment of inertia of a round bar: inputs, in whose place the variant has formulas."""
@@ -243,13 +246,16 @@ class Forces:
 
     def less_gravity(self, acceleration: Pair) -> Pair:
         """Return an acceleration less that of gravity."""
-        x, y = (minus(a, g) for a, g in zip(acceleration, self.gravity, strict=True))
+        x, y = difference(acceleration, self.gravity)
         return (f"({x})" if " " in x else x), (f"({y})" if " " in y else y)
 
     def between(self, start: str, end: str) -> Pair:
         """Return a vector by the coordinates of points."""
-        x, y = (minus(b, a) for a, b in zip(self.writer.points[start], self.writer.points[end], strict=True))
-        return NONE if start == end else (x, y)
+        return NONE if start == end else difference(self.writer.points[end], self.writer.points[start])
+
+    def lever(self, body: Body, point: str) -> Pair:
+        """Return the vector from the first joint of a link to a point, by coordinates."""
+        return NONE if body.link is None else self.between(body.at, point)
 
     def need(self, body: Body, point: str, force: Pair) -> None:
         """Let a link need a force in a point of it."""
@@ -395,15 +401,8 @@ class Forces:
     def column(self, unknown: str, unit: Pair, point: str, on: Body, by: Body | None) -> None:
         """Note on what an unknown force along a unit vector acts, and from where."""
         found = self.columns.setdefault(unknown, [])
-        arm = NONE if on.link is None else self.between(on.at, point)
-        found.append((on.name, *unit, moment(arm, unit)))
-        arm = (
-            self.writer.points[point]
-            if by is None
-            else NONE
-            if by.link is None
-            else self.between(by.at, point)
-        )
+        found.append((on.name, *unit, moment(self.lever(on, point), unit)))
+        arm = self.writer.points[point] if by is None else self.lever(by, point)
         name = self.ground if by is None else by.name
         found.append((name, negative(unit[0]), negative(unit[1]), negative(moment(arm, unit))))
 
@@ -419,11 +418,8 @@ class Forces:
 
     def solve_rrr(self, placed: Placed) -> None:
         """Write the joint forces of two bars."""
-        (one, other), (a, d), b = (
-            (self.bodies[link.name] for link in placed.links),
-            placed.points,
-            placed.name,
-        )
+        one, other = (self.bodies[link.name] for link in placed.links)
+        (a, d), b = placed.points, placed.name
         (x1, y1), about_a = self.needs(one)
         (x2, y2), about_d = self.needs(other)
         per = f"per_cross_{b}"
@@ -437,12 +433,12 @@ class Forces:
         """Write the joint forces of a bar and its slider on a line."""
         bar, (a,), (line,), b = self.bodies[placed.links[0].name], placed.points, placed.lines, placed.name
         slider = self.bodies[b]
-        (sx, sy), _ = self.needs(slider)
+        own, _ = self.needs(slider)
         (x1, y1), about_a = self.needs(bar)
-        text = f"({about_a} + {moment(bar.arm(b), (sx, sy))}) * per_ahead_{b}"
+        text = f"({about_a} + {moment(bar.arm(b), own)}) * per_ahead_{b}"
         meaning = f"Force of the guide on {b}, to the left of its line"
         force = self.guide(f"normal_force_{b}", meaning, text, across(line), b, slider, self.of_line(line))
-        x, y = self.pin(bar, b, slider, (minus(force[0], sx), minus(force[1], sy)), f"the slider {b}")
+        x, y = self.pin(bar, b, slider, difference(force, own), f"the slider {b}")
         self.pin(bar, a, self.owner(a), (f"{x1} - {x}", f"{y1} - {y}"))
         self.carry_on(line, b, force)
 
@@ -450,13 +446,13 @@ class Forces:
         """Write the joint forces of a link along whose slot a pin slides."""
         link, (a, d) = placed.links[0], placed.points
         lever, carrier, name = self.bodies[link.name], self.owner(a), f"normal_force_{placed.name}"
-        (x, y), about_d = self.needs(lever)
+        need, about_d = self.needs(lever)
         meaning = f"Force of {a} on {placed.name}, to the left of its slot"
         units = left(link.axis), left(link.in_loops)
         force = self.guide(name, meaning, f"{about_d} / {placed.by}", units, a, lever, carrier)
         if carrier is not None:
             carrier.carried.append((carrier.arm(a), force))
-        self.pin(lever, d, self.owner(d), (minus(x, force[0]), minus(y, force[1])))
+        self.pin(lever, d, self.owner(d), difference(need, force))
 
     def solve_rpp(self, placed: Placed) -> None:
         """Write the forces of a slider on a line, in whose slot a pin slides."""

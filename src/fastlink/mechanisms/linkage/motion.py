@@ -17,12 +17,16 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cache
+from string import Template
 from typing import Any, Literal
 
 from fastlink._text import short_repr
 from fastlink.errors import InputError, KeyPath, Problems, check_choice, remark, suggest
+from fastlink.facts.fact import Input, Rule
 from fastlink.facts.names import derivative_name
 from fastlink.facts.own import check_name
+from fastlink.facts.sheet import entries_of
 from fastlink.mechanisms._shared.picture import Bar, Force, Picture, Point, Torque
 from fastlink.space.units import ends_in_unit, looks_like_degrees
 
@@ -51,6 +55,7 @@ MOST_WAYS = 6
 MOST_RATIO = 8
 #: How inputs of lengths are called that were given as numbers.
 OF_NUMBER = "length_"
+COORDINATES = "coordinates: names of inputs, or numbers in m"
 NAME = re.compile("[A-Za-z][A-Za-z0-9]*")
 
 Pair = tuple[str, str]
@@ -141,6 +146,146 @@ def _along(point: Pair, distance: str, unit: Pair) -> Pair:
     return plus(point[0], times(distance, unit[0])), plus(point[1], times(distance, unit[1]))
 
 
+def difference(a: Pair, b: Pair) -> Pair:
+    """Return the difference of two places or rates as text."""
+    return minus(a[0], b[0]), minus(a[1], b[1])
+
+
+# -- Parts of sheets, in which each ``$word`` stands for a name or a formula
+
+
+class Part(Template):
+    """An entry of a part of a sheet: words end before an underscore."""
+
+    idpattern = "[a-z]+[0-9]?"
+
+
+@cache
+def entries_of_part(part: str) -> list[Part]:
+    """Return the entries of a part of a sheet, each with its lines."""
+    return [Part("\n".join((one.head, *one.lines))) for one in entries_of(part, "")]
+
+
+#: What follows from the motion of a point.
+PATH = """
+$p_speed [m s-1] |v_$p|: Speed of $p; its magnitude
+    = magnitude($p_vx, $p_vy)
+$p_acceleration [m s-2] |a_$p|: Acceleration of $p; its magnitude
+    = magnitude($p_ax, $p_ay)
+$p_curvature [m-1] kappa_$p: Curvature of the path of $p; positive where it turns left
+    = ($p_vx * $p_ay - $p_vy * $p_ax) / ($p_speed * $p_speed * $p_speed)
+"""
+#: The derivatives of a vector of a link.
+TURNING = """
+d_$vector_x_d_theta = -($rate * $vector_y)
+d_$vector_y_d_theta = $rate * $vector_x
+"""
+#: Directions: of a fixed line at an angle, and from one point to another.
+AT_ANGLE = """
+step $unit_{x,y} [1] u_{x,y}: Direction of the line through $start
+    = {cosine,sine}($angle)
+"""
+DIRECTION = """
+step $unit_{x,y} [1] u_{x,y}: Direction from $start to $end, {x,y}
+    = ({$x,$y}) / magnitude($x, $y)
+"""
+#: The vector between the outer joints of a dyad, and its square.
+REACH = """
+step reach_$b_{x,y} [m] $p$q_{x,y}: Vector from $p to $q, {x,y}
+    = {$rx,$ry}
+"""
+REACH_SQUARED = """
+step reach_$b_squared [m2] |$p$q|^2: Square of the distance of $p and $q
+    = reach_$b_x * reach_$b_x + reach_$b_y * reach_$b_y
+"""
+# Divisions are most of what a configuration costs: per_sum is of the design, per_reach and per_cross are of it.
+RRR = """
+step sum_$b_squared [m2] ($first + $second)^2: Square of the length of both bars
+    = select(($l1 > 0.0) & ($l2 > 0.0), ($l1 + $l2) * ($l1 + $l2), NOT_A_NUMBER)
+step per_sum_$b [m-2] 1/($first + $second)^2: Reciprocal of that square
+    = 1.0 / sum_$b_squared
+step per_reach_$b [m-2] 1/(2 |$p$q|^2): Half the reciprocal of the square of that distance
+    = 0.5 / reach_$b_squared
+step fold_$b [1] d^2: Square of the difference of both bars over that of their sum
+    ratio = ($l1 - $l2) / ($l1 + $l2)
+    = ratio * ratio
+step gap_$b [1] 16 T^2/($first + $second)^4: Square of the triangle $p$q$b
+    part = reach_$b_squared * per_sum_$b
+    = (1.0 - part) * (part - fold_$b)
+step $first_{x,y} [m] $first_{x,y}: Vector from $p to $b, {x,y}
+    share = reach_$b_squared + ($l1 - $l2) * ($l1 + $l2)
+    across = sign_$b * (sum_$b_squared * gap_$b_root)
+    = per_reach_$b * (reach_$b_{x,y} * share {-,+} reach_$b_{y,x} * across)
+step $second_{x,y} [m] $second_{x,y}: Vector from $q to $b, {x,y}
+    = $first_{x,y} - reach_$b_{x,y}
+step per_cross_$b [m-2] 1/($first x $second): Reciprocal of the cross product of both bars
+    = 2.0 / (sign_$b * (sum_$b_squared * gap_$b_root))
+step dot_$b [m2] $first . $second: Product of both bars
+    = $first_x * $second_x + $first_y * $second_y
+step n_{$first,$second} [1] n_{$first,$second}: Angular velocity of {$first,$second} over that of the crank
+    = (($wx) * {$second,$first}_x + ($wy) * {$second,$first}_y) * per_cross_$b
+d_{$first,$second}_x_d_theta = -(n_{$first,$second} * {$first,$second}_y)
+d_{$first,$second}_y_d_theta = n_{$first,$second} * {$first,$second}_x
+d_per_cross_$b_d_theta = -(per_cross_$b * per_cross_$b * ((n_$second - n_$first) * dot_$b))
+"""
+# |x| by the size of a vector, whose kinks are known to the search of extremes
+TRANSMISSION = """
+step sine_$b [m2] |$b|: Sine of the transmission angle at $b, times lengths
+    = $sine
+transmission_angle_$b [rad] mu_$b: Transmission angle at $b; between $between
+    = atan2(sine_$b + 0.0, $cosine)
+d_transmission_angle_$b_d_theta = sign_$b * ($growth)
+acute_transmission_angle_$b [rad] mu_$b: Acute transmission angle at $b; that or its supplement
+    = atan2(sine_$b + 0.0, magnitude($cosine, $cosine - $cosine))
+"""
+RRP = """
+step off_$b [m] h: Distance of $q from the line through $p, to its left
+    = $ux * ($ry) - $uy * ($rx)
+step gap_$b [1] 1 - h^2/$bar^2: Square of the sine of the transmission angle at $b
+    part = off_$b / select($length > 0.0, $length, NOT_A_NUMBER)
+    = (1.0 - part) * (1.0 + part)
+step ahead_$b [m] c: Part of $bar along the line
+    = sign_$b * ($length * gap_$b_root)
+step $bar_{x,y} [m] $bar_{x,y}: Vector from $q to $b, {x,y}
+    = ahead_$b * {$ux,$uy} {+,-} off_$b * {$uy,$ux}
+slide_$b [m] s_$b: Place of the slider $b on its line, from $p
+    = $ux * ($rx) + $uy * ($ry) + ahead_$b
+step per_ahead_$b [m-1] 1/c: Reciprocal of the part of $bar along the line
+    = 1.0 / (sign_$b * ($length * gap_$b_root))
+step n_$bar [1] n_$bar: Angular velocity of $bar over that of the crank
+    = (($wy) * $ux - ($wx) * $uy$turning) * per_ahead_$b
+d_$bar_x_d_theta = -(n_$bar * $bar_y)
+d_$bar_y_d_theta = n_$bar * $bar_x
+d_per_ahead_$b_d_theta = -(per_ahead_$b * per_ahead_$b * ($more * off_$b))
+d_ahead_$b_d_theta = $more * off_$b
+d_slide_$b_d_theta = n_$bar * off_$b - (($wx) * $ux + ($wy) * $uy)
+step across_$b [m2] h $bar: Cosine of the transmission angle at $b, times lengths
+    = off_$b * $length
+"""
+#: A slot through the pivot of its link, and one beside it.
+RPR = """
+slide_$b [m] s_$b: Place of $q along the slot of $b, from $p
+    = magnitude(reach_$b_x, reach_$b_y)
+step axis_$b_{x,y} [1] u_{x,y}: Direction of $b, {x,y}
+    = reach_$b_{x,y} / slide_$b
+"""
+RPR_BESIDE = """
+step gap_$b [1] s^2: Square of the place of $q along the slot, over that of the crank
+    = (reach_$b_squared - $offset * $offset) / ($scale * $scale)
+slide_$b [m] s_$b: Place of $q along the slot of $b, from $p
+    = sign_$b * ($scale * gap_$b_root)
+step axis_$b_{x,y} [1] u_{x,y}: Direction of $b, {x,y}
+    = (slide_$b * reach_$b_{x,y} {+,-} $offset * reach_$b_{y,x}) / reach_$b_squared
+"""
+RPR_RATES = """
+step n_$b [1] n_$b: Angular velocity of $b over that of the crank
+    = (($wy) * axis_$b_x - ($wx) * axis_$b_y) / $per
+d_axis_$b_x_d_theta = -(n_$b * axis_$b_y)
+d_axis_$b_y_d_theta = n_$b * axis_$b_x
+d_slide_$b_d_theta = ($wx) * axis_$b_x + ($wy) * axis_$b_y$more
+"""
+
+
 class Writer:
     """The sheet of a declaration while it is written, and its picture."""
 
@@ -152,8 +297,8 @@ class Writer:
         self.moving = {"theta", "cos_theta", "sin_theta"}
         #: The lengths of bars by their ends.
         self.lengths: dict[frozenset[str], str] = {}
-        #: Directions that have derivatives already.
-        self.turned: set[str] = set()
+        #: Directions that have facts already: of fixed lines, and between points.
+        self.directions: set[str | Pair] = set()
         self.gaps: dict[str, str] = {}
         self.ways: list[tuple[str, Pair, str]] = []
         #: The coordinates of points as facts or inputs, and by the unknowns of the loops.
@@ -187,18 +332,15 @@ class Writer:
     # -- reading -------------------------------------------------------------------------------------------------------
 
     def value(
-        self, where: KeyPath, given: Any, name: str, units: str, meaning: str, rule: str = "any"
+        self, where: KeyPath, given: Any, name: str, units: str, meaning: str, rule: Rule = "any"
     ) -> str:
         """Return the name of an input, or of one with a number as its default; 0 is no input."""
         if isinstance(given, str):
             name = given
             if NAME.match(name) is None or re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name) is None:
-                quoted = re.fullmatch(r"[-+.\d][-+.\deE]*", name)
-                remedy = (
-                    "write a number without quotes"
-                    if quoted
-                    else "write letters, digits and single _, or a number"
-                )
+                remedy = "write letters, digits and single _, or a number"
+                if re.fullmatch(r"[-+.\d][-+.\deE]*", name):
+                    remedy = "write a number without quotes"
                 raise InputError(f"is {given!r}, which is no name", where, remedy)
             check_name(name)
             of, unit = ends_in_unit(name, units)
@@ -216,11 +358,7 @@ class Writer:
         if rule != "any" and f"rule: {rule}" not in lines:
             lines.append(f"rule: {rule}")
         default = self.declared["defaults"].get(name) if isinstance(given, str) else float(given)
-        if (
-            default is not None
-            and (default < 0.0 or (default == 0.0 and rule == "positive"))
-            and rule != "any"
-        ):
+        if default is not None and not Input(name, units, name, meaning, rule).allows(default):
             whose = f", the default of {name}" if isinstance(given, str) else ""
             raise InputError(f"is {float(default)!r}{whose}, not {rule}", where, "write another number")
         if default is not None and units == "rad" and looks_like_degrees(default):
@@ -260,6 +398,17 @@ class Writer:
             raise InputError(f"is {short_repr(given)}", where, f"write two {noun}")
         return given[0], given[1]
 
+    def values(
+        self, where: KeyPath, given: Any, noun: str, *of: Pair, units: str = "m", rule: Rule = "any"
+    ) -> Pair:
+        """Return the names of two inputs, each by its usual name and meaning."""
+        pair = self.pair(where, given, noun)
+        x, y = (
+            self.value(where, one, name, units, meaning, rule)
+            for one, (name, meaning) in zip(pair, of, strict=True)
+        )
+        return x, y
+
     def link_of(self, where: KeyPath, first: str, second: str) -> Link:
         """Return the link that two points are of."""
         if first == second:
@@ -276,10 +425,14 @@ class Writer:
     def fact(self, head: str, *lines: str) -> None:
         """Append a fact, and note whether it moves."""
         self.facts += [head, *(f"    {line}" for line in lines)]
-        words = set(re.findall(r"\w+", " ".join(lines)))
-        if words & self.moving:
+        if not self.moving.isdisjoint(re.findall(r"\w+", " ".join(lines))):
             name = head.removeprefix("step ").partition(" ")[0]
             self.moving |= {name, slope_of(name)}
+
+    def write(self, part: str, **words: str) -> None:
+        """Append a part of a sheet, and note which of its facts move."""
+        for entry in entries_of_part(part):
+            self.fact(*entry.substitute(words).split("\n"))
 
     def rate(self, name: str) -> str:
         """Return the derivative of a fact by time as text, 0 times the speed where it does not move."""
@@ -295,15 +448,11 @@ class Writer:
         x, y = (slope_of(f"{point}_{axis}") if own else "0.0" for axis, own in zip("xy", moves, strict=True))
         return x, y
 
-    def unit_of(self, bar: str, length: str) -> Pair:
-        """Return the unit vector along a bar."""
-        self.once(f"step per_{bar} [m-1] 1/{bar}: Reciprocal of the length of {bar}", f"= 1.0 / {length}")
-        return f"{bar}_x * per_{bar}", f"{bar}_y * per_{bar}"
-
-    def turning(self, vector: str, rate: str) -> None:
-        """Append the derivatives of a vector of a link."""
-        self.slope(f"{vector}_x", f"-({rate} * {vector}_y)")
-        self.slope(f"{vector}_y", f"{rate} * {vector}_x")
+    def reach(self, name: str, start: str, end: str) -> dict[str, str]:
+        """Return the words of what joins two points by a dyad: of their vector and its rate."""
+        rx, ry = difference(self.points[end], self.points[start])
+        wx, wy = difference(self.rate_of(end), self.rate_of(start))
+        return {"b": name, "p": start, "q": end, "rx": rx, "ry": ry, "wx": wx, "wy": wy}
 
     def add_point(self, name: str, at: Sequence[str], in_loops: Sequence[str], kind: Kind = "joint") -> None:
         """Append the place and the motion of a point, by what it is the sum of; in the loops also by what vanishes."""
@@ -315,14 +464,7 @@ class Writer:
             vanishes = in_loops[k] if x in in_loops[k] else minus(x, in_loops[k])
             self.rows += [f"    | {vanishes}", f"    {x} by omega: {v}, {a}"]
             self.unknowns.append(x)
-        for noun, word, unit in (("speed", "v", "m s-1"), ("acceleration", "a", "m s-2")):
-            head = f"{name}_{noun} [{unit}] |{word}_{name}|: {noun.capitalize()} of {name}; its magnitude"
-            self.fact(head, f"= magnitude({name}_{word}x, {name}_{word}y)")
-        cross = f"{name}_vx * {name}_ay - {name}_vy * {name}_ax"
-        self.fact(
-            f"{name}_curvature [m-1] kappa_{name}: Curvature of the path of {name}; positive where it turns left",
-            f"= ({cross}) / ({name}_speed * {name}_speed * {name}_speed)",
-        )
+        self.write(PATH, p=name)
         self.points[name] = (f"{name}_x", f"{name}_y")
         self.in_loops[name] = self.points[name]
         self.drawn.append(Point(name, f"{name}_x", f"{name}_y", kind))
@@ -361,40 +503,37 @@ class Writer:
                 raise InputError(what, where, suggest(str(second), list(self.points)))
             name = f"{start}_angle"
             angle = self.value(where, second, name, "rad", f"direction of the line through {start}")
-            unit = "axis_" + "_".join((start, "at", angle)) if angle != "0.0" else ""
-            if not unit:
+            if angle == "0.0":
                 return Line(start, ("1.0", "0.0"), ("1.0", "0.0"), self.links[0])
-            for axis, of in (("x", "cosine"), ("y", "sine")):
-                self.once(
-                    f"step {unit}_{axis} [1] u_{axis}: Direction of the line through {start}",
-                    f"= {of}({angle})",
-                )
+            unit = "axis_" + "_".join((start, "at", angle))
+            if unit not in self.directions:
+                self.directions.add(unit)
+                self.write(AT_ANGLE, unit=unit, start=start, angle=angle)
             return Line(start, (f"{unit}_x", f"{unit}_y"), (f"cos({angle})", f"sin({angle})"), self.links[0])
         link = self.link_of(where, start, second)
         return Line(start, *self.direction(link, start, second), link)
 
-    def once(self, head: str, *lines: str) -> None:
-        """Append a fact unless it is there."""
-        if head not in self.facts:
-            self.fact(head, *lines)
+    def slid(self, line: Line, slide: str) -> tuple[Pair, Pair]:
+        """Return the place so far along a line, as facts and in the loops."""
+        start = line.start
+        return _along(self.points[start], slide, line.unit), _along(
+            self.in_loops[start], slide, line.in_loops
+        )
 
     def direction(self, link: Link, start: str, end: str) -> tuple[Pair, Pair]:
         """Return the unit vector from a point of a link to another, as facts and in the loops."""
         if link.origin == start and link.points[:2] == [start, end] and link.rate:
             return link.axis, link.in_loops
-        (a, b), (c, d) = self.points[start], self.points[end]
-        unit, x, y = f"axis_{start}{end}", minus(c, a), minus(d, b)
+        unit, (x, y) = f"axis_{start}{end}", difference(self.points[end], self.points[start])
         if (x, y) == ("0.0", "0.0"):
             raise InputError(f"{start} and {end} are in one place", (), "write two points that are apart")
         # of a zero without units nobody could tell that it is a length
         x, y = (f"{y} - ({y})" if x == "0.0" else x), (f"{x} - ({x})" if y == "0.0" else y)
-        for axis, of in (("x", x), ("y", y)):
-            head = f"step {unit}_{axis} [1] u_{axis}: Direction from {start} to {end}, {axis}"
-            self.once(head, f"= ({of}) / magnitude({x}, {y})")
-        if link.rate and unit not in self.turned:
-            self.turned.add(unit)
-            self.turning(unit, link.rate)
-        (a, b), (c, d) = self.in_loops[start], self.in_loops[end]
+        if (start, end) not in self.directions:
+            self.directions.add((start, end))
+            self.write(DIRECTION, unit=unit, start=start, end=end, x=x, y=y)
+            if link.rate:
+                self.write(TURNING, vector=unit, rate=link.rate)
         # by the angle of the link and that of its two points in it, which are numbers of the design
         name = f"angle_{start}{end}" if link.rate else f"slant_{start}{end}"
         if name not in self.unknowns:
@@ -403,7 +542,8 @@ class Writer:
             else:
                 self.fact(f"{name} [rad] {name}: Direction from {start} to {end}", f"= atan2({y} + 0.0, {x})")
                 self.unknowns.append(name)
-            self.rows.append(f"    | sin({name}) * ({minus(c, a)}) - cos({name}) * ({minus(d, b)})")
+            u, v = difference(self.in_loops[end], self.in_loops[start])
+            self.rows.append(f"    | sin({name}) * ({u}) - cos({name}) * ({v})")
         return (f"{unit}_x", f"{unit}_y"), (f"cos({name})", f"sin({name})")
 
     # -- the ground and the crank --------------------------------------------------------------------------------------
@@ -419,11 +559,8 @@ class Writer:
         for name, at in ground.items():
             with self.within("ground", str(name)):
                 self.new_name((), name)
-                pair = self.pair((), at, "coordinates: names of inputs, or numbers in m")
-                x, y = (
-                    self.value((), one, f"{name}_{axis}", "m", f"{axis} of the pivot {name}")
-                    for one, axis in zip(pair, "xy", strict=True)
-                )
+                of = ((f"{name}_{axis}", f"{axis} of the pivot {name}") for axis in "xy")
+                x, y = self.values((), at, COORDINATES, *of)
                 self.points[name] = self.in_loops[name] = x, y
                 self.links[0].points.append(name)
                 self.drawn.append(Point(name, _value(x), _value(y), "ground"))
@@ -474,13 +611,8 @@ class Writer:
         if not isinstance(given, Mapping) or given.keys() != {"along", "stroke"}:
             raise InputError(f"is {short_repr(given)}", where, shape)
         line = self.line((*where, "along"), given["along"])
-        ends = self.pair((*where, "stroke"), given["stroke"], "places on the line")
-        one, other = (
-            self.value(
-                (*where, "stroke"), end, f"stroke_{pin}_{k}", "m", f"end of the stroke of {pin}, number {k}"
-            )
-            for k, end in enumerate(ends, 1)
-        )
+        of = ((f"stroke_{pin}_{k}", f"end of the stroke of {pin}, number {k}") for k in (1, 2))
+        one, other = self.values((*where, "stroke"), given["stroke"], "places on the line", *of)
         self.inputs["omega"] = [
             "omega [rad s-1] omega: rate of theta, a turn of which is a stroke to and fro; constant"
         ]
@@ -499,12 +631,7 @@ class Writer:
         self.rows.append(f"    | {slide} - {at} - ({length}) * cos(theta))")
         self.placed.append(Placed("slider", pin, lines=(line,)))
         self.owners[pin] = pin
-        self.add_point(
-            pin,
-            _along(self.points[line.start], slide, line.unit),
-            _along(self.in_loops[line.start], slide, line.in_loops),
-            "slider",
-        )
+        self.add_point(pin, *self.slid(line, slide), "slider")
 
     def add_bar(self, name: str, start: str, end: str, length: str, at: Pair | None = None) -> None:
         """Write the end of a bar, whose link is the last."""
@@ -524,27 +651,16 @@ class Writer:
 
     def add_link(self, name: str, points: list[str], vector: str, rate: str, length: str = "") -> Link:
         """Append the angle and the rates of a link by a vector of it, of that length unless it is a unit vector."""
-        angle = self.add_angle(name, vector, rate)
-        axis = self.unit_of(name, length) if length else (f"{vector}_x", f"{vector}_y")
-        link = Link(name, points, points[0], axis, (f"cos({angle})", f"sin({angle})"), rate, angle, length)
-        link.vectors.update({end: (f"{vector}_x", f"{vector}_y") for end in points[1:]})
+        angle, along = self.add_angle(name, vector, rate), (f"{vector}_x", f"{vector}_y")
+        axis, in_loops = along, (f"cos({angle})", f"sin({angle})")
+        if length:
+            per = f"per_{name}"
+            self.fact(f"step {per} [m-1] 1/{name}: Reciprocal of the length of {name}", f"= 1.0 / {length}")
+            axis = f"{vector}_x * {per}", f"{vector}_y * {per}"
+        link = Link(name, points, points[0], axis, in_loops, rate, angle, length)
+        link.vectors.update(dict.fromkeys(points[1:], along))
         self.links.append(link)
         return link
-
-    def add_reach(self, name: str, start: str, end: str) -> None:
-        """Append the vector between the outer joints of a dyad."""
-        (ax, ay), (dx, dy) = self.points[start], self.points[end]
-        for axis, of in (("x", minus(dx, ax)), ("y", minus(dy, ay))):
-            head = f"step reach_{name}_{axis} [m] {start}{end}_{axis}: Vector from {start} to {end}, {axis}"
-            self.fact(head, f"= {of}")
-
-    def add_reach_squared(self, name: str, start: str, end: str) -> None:
-        """Append the square of that."""
-        reach = f"reach_{name}"
-        self.fact(
-            f"step {reach}_squared [m2] |{start}{end}|^2: Square of the distance of {start} and {end}",
-            f"= {reach}_x * {reach}_x + {reach}_y * {reach}_y",
-        )
 
     # -- dyads ---------------------------------------------------------------------------------------------------------
 
@@ -560,12 +676,9 @@ class Writer:
                 words = list(given) if isinstance(given, Mapping) else []
                 kind = next((word for word in words if word in KINDS), "")
                 if not kind:
-                    said = (
-                        f"is {short_repr(given)}"
-                        if not words
-                        else f"has no kind, but {', '.join(map(repr, words))}"
-                    )
-                    raise InputError(said, (), f"write one of {'; '.join(SHAPES.values())}")
+                    said = f"has no kind, but {', '.join(map(repr, words))}"
+                    remedy = f"write one of {'; '.join(SHAPES.values())}"
+                    raise InputError(said if words else f"is {short_repr(given)}", (), remedy)
                 known = [kind, *KINDS[kind].replace("[", "").replace("]", "").split()]
                 for word in words:
                     check_choice((word,), word, known)
@@ -581,110 +694,34 @@ class Writer:
         outer = self.pair(("rrr",), given["rrr"], "points")
         a, d = (self.point(("rrr",), one) for one in outer)
         if a == d or any(a in link.points and d in link.points for link in self.links):
-            raise InputError(
-                f"{a} and {d} are of one link, on which {name} would be fixed",
-                ("rrr",),
-                f"write {SHAPES['on']}",
-            )
-        lengths = self.pair(("lengths",), given["lengths"], "lengths")
+            what = f"{a} and {d} are of one link, on which {name} would be fixed"
+            raise InputError(what, ("rrr",), f"write {SHAPES['on']}")
         first, second = a + name, d + name
-        l1, l2 = (
-            self.length(("lengths",), one, bar, "length of the bar")
-            for one, bar in zip(lengths, (first, second), strict=True)
-        )
-        reach, sum_squared, root = f"reach_{name}", f"sum_{name}_squared", f"gap_{name}_root"
-        self.add_reach(name, a, d)
-        self.add_reach_squared(name, a, d)
-        self.fact(
-            f"step {sum_squared} [m2] ({first} + {second})^2: Square of the length of both bars",
-            f"= select(({l1} > 0.0) & ({l2} > 0.0), ({l1} + {l2}) * ({l1} + {l2}), NOT_A_NUMBER)",
-        )
-        # divisions are most of what a configuration costs: one of the design, one here, one of the rates
-        self.fact(
-            f"step per_sum_{name} [m-2] 1/({first} + {second})^2: Reciprocal of that square",
-            f"= 1.0 / {sum_squared}",
-        )
-        self.fact(
-            f"step per_reach_{name} [m-2] 1/(2 |{a}{d}|^2): Half the reciprocal of the square of that distance",
-            f"= 0.5 / {reach}_squared",
-        )
-        self.fact(
-            f"step fold_{name} [1] d^2: Square of the difference of both bars over that of their sum",
-            f"ratio = ({l1} - {l2}) / ({l1} + {l2})",
-            "= ratio * ratio",
-        )
-        self.fact(
-            f"step gap_{name} [1] 16 T^2/({first} + {second})^4: Square of the triangle {a}{d}{name}",
-            f"part = {reach}_squared * per_sum_{name}",
-            f"= (1.0 - part) * (part - fold_{name})",
-        )
+        of = ((f"{OF_NUMBER}{bar}", f"length of the bar {bar}") for bar in (first, second))
+        l1, l2 = self.values(("lengths",), given["lengths"], "lengths", *of, rule="positive")
         meanings = (f"{name} to the right of {a}{d}", f"{name} to its left")  # in the order of the planar 4R
-        self.add_ways(name, meanings, f"the bars {first} and {second}", "-1.0")
-        across = f"across = sign_{name} * ({sum_squared} * {root})"
-        share = f"share = {reach}_squared + ({l1} - {l2}) * ({l1} + {l2})"
-        for axis, sign, other in (("x", "-", "y"), ("y", "+", "x")):
-            self.fact(
-                f"step {first}_{axis} [m] {first}_{axis}: Vector from {a} to {name}, {axis}",
-                share,
-                across,
-                f"= per_reach_{name} * ({reach}_{axis} * share {sign} {reach}_{other} * across)",
-            )
-            head = f"step {second}_{axis} [m] {second}_{axis}: Vector from {d} to {name}, {axis}"
-            self.fact(head, f"= {first}_{axis} - {reach}_{axis}")
-        self.fact(
-            f"step per_cross_{name} [m-2] 1/({first} x {second}): Reciprocal of the cross product of both bars",
-            f"= 2.0 / (sign_{name} * ({sum_squared} * {root}))",
-        )
-        self.fact(
-            f"step dot_{name} [m2] {first} . {second}: Product of both bars",
-            f"= {first}_x * {second}_x + {first}_y * {second}_y",
-        )
-        rates = f"n_{first}", f"n_{second}"
-        (vax, vay), (vdx, vdy) = self.rate_of(a), self.rate_of(d)
-        for rate, bar, other in zip(rates, (first, second), (second, first), strict=True):
-            self.fact(
-                f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
-                f"= (({minus(vdx, vax)}) * {other}_x + ({minus(vdy, vay)}) * {other}_y) * per_cross_{name}",
-            )
-            self.turning(bar, rate)
-        self.slope(
-            f"per_cross_{name}",
-            f"-(per_cross_{name} * per_cross_{name} * (({rates[1]} - {rates[0]}) * dot_{name}))",
-        )
+        between = f"the bars {first} and {second}"
+        self.add_ways(name, meanings, between, "-1.0")
+        words = self.reach(name, a, d) | {"first": first, "second": second, "l1": l1, "l2": l2}
+        self.write(REACH + REACH_SQUARED + RRR, **words)
         loops = []
-        for bar, start, length, rate in zip((first, second), (a, d), (l1, l2), rates, strict=True):
-            link = self.add_link(bar, [start, name], bar, rate, length)
+        for bar, start, length in ((first, a, l1), (second, d, l2)):
+            link = self.add_link(bar, [start, name], bar, f"n_{bar}", length)
             loops.append(_along(self.in_loops[start], length, link.in_loops))
             self.draw_bar(start, name, length)
-        self.rows += [f"    | {minus(loops[0][k], loops[1][k])}" for k in range(2)]
+        self.rows += [f"    | {one}" for one in difference(*loops)]
         self.placed.append(Placed("rrr", name, tuple(self.links[-2:]), (a, d)))
         self.owners[name] = self.links[-2]
         ax, ay = self.points[a]
         self.add_point(name, (plus(ax, f"{first}_x"), plus(ay, f"{first}_y")), loops[0])
-        self.add_transmission(
-            name,
-            f"0.5 * ({sum_squared} * {root})",
-            f"dot_{name}",
-            *rates[::-1],
-            f"the bars {first} and {second}",
-        )
+        sine = f"0.5 * (sum_{name}_squared * gap_{name}_root)"
+        self.add_transmission(name, sine, f"dot_{name}", f"n_{second}", f"n_{first}", between)
 
     def add_transmission(self, name: str, sine: str, cosine: str, fast: str, slow: str, between: str) -> None:
         """Write the transmission angle of a dyad, which grows at the difference of two rates."""
-        angle = f"transmission_angle_{name}"
-        self.fact(
-            f"step sine_{name} [m2] |{name}|: Sine of the transmission angle at {name}, times lengths",
-            f"= {sine}",
-        )
-        self.fact(
-            f"{angle} [rad] mu_{name}: Transmission angle at {name}; between {between}",
-            f"= atan2(sine_{name} + 0.0, {cosine})",
-        )
-        self.slope(angle, f"sign_{name} * ({minus(fast, slow)})")
-        # |x| by the size of a vector, whose kinks are known to the search of extremes
-        acute = f"acute_{angle}"
-        head = f"{acute} [rad] mu_{name}: Acute transmission angle at {name}; that or its supplement"
-        self.fact(head, f"= atan2(sine_{name} + 0.0, magnitude({cosine}, {cosine} - {cosine}))")
+        growth = minus(fast, slow)
+        self.write(TRANSMISSION, b=name, sine=sine, cosine=cosine, growth=growth, between=between)
+        acute = f"acute_transmission_angle_{name}"
         least, self.least = self.least, acute
         if least:
             self.least = f"least_{name}"
@@ -694,68 +731,29 @@ class Writer:
     def write_rrp(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a bar whose end is a slider on a line, which is fixed or of a link."""
         a = self.point(("rrp",), given["rrp"])
-        bar, slide, root = a + name, f"slide_{name}", f"gap_{name}_root"
+        bar, slide = a + name, f"slide_{name}"
         length = self.length(("length",), given["length"], bar, "length of the bar")
         line = self.line(("along",), given["along"])
-        c, (ux, uy), in_loops, turn = line.start, line.unit, line.in_loops, line.link.rate
-        (ax, ay), (cx, cy) = self.points[a], self.points[c]
-        rx, ry = minus(ax, cx), minus(ay, cy)
-        self.fact(
-            f"step off_{name} [m] h: Distance of {a} from the line through {c}, to its left",
-            f"= {ux} * ({ry}) - {uy} * ({rx})",
-        )
-        self.fact(
-            f"step gap_{name} [1] 1 - h^2/{bar}^2: Square of the sine of the transmission angle at {name}",
-            f"part = off_{name} / select({length} > 0.0, {length}, NOT_A_NUMBER)",
-            "= (1.0 - part) * (1.0 + part)",
-        )
+        rate, turn = f"n_{bar}", line.link.rate
         self.add_ways(name, (f"{name} ahead of {a} along the line", f"{name} behind it"), f"the bar {bar}")
-        self.fact(
-            f"step ahead_{name} [m] c: Part of {bar} along the line", f"= sign_{name} * ({length} * {root})"
-        )
-        for axis, of, sign, other in (("x", ux, "+", uy), ("y", uy, "-", ux)):
-            self.fact(
-                f"step {bar}_{axis} [m] {bar}_{axis}: Vector from {a} to {name}, {axis}",
-                f"= ahead_{name} * {of} {sign} off_{name} * {other}",
-            )
-        self.fact(
-            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
-            f"= {ux} * ({rx}) + {uy} * ({ry}) + ahead_{name}",
-        )
-        rate, per = f"n_{bar}", f"per_ahead_{name}"
-        self.fact(
-            f"step {per} [m-1] 1/c: Reciprocal of the part of {bar} along the line",
-            f"= 1.0 / (sign_{name} * ({length} * {root}))",
-        )
-        (vax, vay), (vcx, vcy) = self.rate_of(a), self.rate_of(c)
-        wx, wy = minus(vcx, vax), minus(vcy, vay)
-        of_line = f" + {slide} * {turn}" if turn else ""
-        self.fact(
-            f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
-            f"= (({wy}) * {ux} - ({wx}) * {uy}{of_line}) * {per}",
-        )
-        self.turning(bar, rate)
-        more = f"({minus(rate, turn)})" if turn else rate
-        self.slope(per, f"-({per} * {per} * ({more} * off_{name}))")
-        self.slope(f"ahead_{name}", f"{more} * off_{name}")
-        self.slope(slide, f"{rate} * off_{name} - (({wx}) * {ux} + ({wy}) * {uy})")
+        words = self.reach(name, line.start, a) | {"bar": bar, "length": length}
+        words |= {"ux": line.unit[0], "uy": line.unit[1], "turning": f" + {slide} * {turn}" if turn else ""}
+        # here the rate of the line's point less that of the pin
+        words["wx"], words["wy"] = difference(self.rate_of(line.start), self.rate_of(a))
+        words["more"] = f"({minus(rate, turn)})" if turn else rate
+        self.write(RRP, **words)
         self.add_slide(name, slide)
         link = self.add_link(bar, [a, name], bar, rate, length)
         self.placed.append(Placed("rrp", name, (link,), (a,), (line,)))
         self.owners[name] = name
         ends = _along(self.in_loops[a], length, link.in_loops)
-        slid = _along(self.in_loops[c], slide, in_loops)
-        self.rows += [f"    | {minus(ends[k], slid[k])}" for k in range(2)]
+        _, slid = self.slid(line, slide)
+        self.rows += [f"    | {one}" for one in difference(ends, slid)]
+        ax, ay = self.points[a]
         self.add_point(name, (plus(ax, f"{bar}_x"), plus(ay, f"{bar}_y")), ends, "slider")
         self.draw_bar(a, name, length)
-        self.fact(
-            f"step across_{name} [m2] h {bar}: Cosine of the transmission angle at {name}, times lengths",
-            f"= off_{name} * {length}",
-        )
-        between = f"the bar {bar} and the normal of its line"
-        self.add_transmission(
-            name, f"{length} * {length} * {root}", f"across_{name}", rate, turn or "0.0", between
-        )
+        between, sine = f"the bar {bar} and the normal of its line", f"{length} * {length} * gap_{name}_root"
+        self.add_transmission(name, sine, f"across_{name}", rate, turn or "0.0", between)
 
     def add_slide(self, name: str, slide: str) -> None:
         """Write the velocity and acceleration of a slider along its line."""
@@ -773,59 +771,24 @@ class Writer:
         a, d = self.point(("rpr",), pin), self.point(("rpr",), pivot)
         if a == d:
             raise InputError(f"is {a} twice", ("rpr",), f"write {SHAPES['rpr']}")
-        offset = self.value(
-            ("offset",),
-            given.get("offset", 0),
-            f"offset_{name}",
-            "m",
-            f"distance of the slot of {name} from {d}, to its left",
-        )
-        reach, slide, root, rate = f"reach_{name}", f"slide_{name}", f"gap_{name}_root", f"n_{name}"
-        self.add_reach(name, d, a)
-        (vax, vay), (vdx, vdy) = self.rate_of(a), self.rate_of(d)
-        wx, wy = minus(vax, vdx), minus(vay, vdy)
-        if offset == "0.0":
-            self.fact(
-                f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}",
-                f"= magnitude({reach}_x, {reach}_y)",
-            )
-            for axis in "xy":
-                self.fact(
-                    f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}",
-                    f"= {reach}_{axis} / {slide}",
-                )
-        else:
-            scale = self.scale
-            self.add_reach_squared(name, d, a)
-            self.fact(
-                f"step gap_{name} [1] s^2: Square of the place of {a} along the slot, over that of the crank",
-                f"= ({reach}_squared - {offset} * {offset}) / ({scale} * {scale})",
-            )
+        meaning = f"distance of the slot of {name} from {d}, to its left"
+        offset = self.value(("offset",), given.get("offset", 0), f"offset_{name}", "m", meaning)
+        slide, rate = f"slide_{name}", f"n_{name}"
+        words = self.reach(name, d, a) | {"offset": offset, "scale": self.scale}
+        through = offset == "0.0"
+        per = slide if through else f"(sign_{name} * ({self.scale} * gap_{name}_root))"
+        if not through:
             self.add_ways(name, (f"{a} ahead of {d} along {name}", f"{a} behind it"), f"the slot of {name}")
-            self.fact(
-                f"{slide} [m] s_{name}: Place of {a} along the slot of {name}, from {d}",
-                f"= sign_{name} * ({scale} * {root})",
-            )
-            for axis, sign, other in (("x", "+", "y"), ("y", "-", "x")):
-                self.fact(
-                    f"step axis_{name}_{axis} [1] u_{axis}: Direction of {name}, {axis}",
-                    f"= ({slide} * {reach}_{axis} {sign} {offset} * {reach}_{other}) / {reach}_squared",
-                )
-        per = slide if offset == "0.0" else f"(sign_{name} * ({scale} * {root}))"
-        self.fact(
-            f"step {rate} [1] n_{name}: Angular velocity of {name} over that of the crank",
-            f"= (({wy}) * axis_{name}_x - ({wx}) * axis_{name}_y) / {per}",
-        )
-        self.turning(f"axis_{name}", rate)
-        more = "" if offset == "0.0" else f" + {offset} * {rate}"
-        self.slope(slide, f"({wx}) * axis_{name}_x + ({wy}) * axis_{name}_y{more}")
+        more = "" if through else f" + {offset} * {rate}"
+        parts = (REACH, RPR) if through else (REACH, REACH_SQUARED, RPR_BESIDE)
+        self.write("".join((*parts, RPR_RATES)), per=per, more=more, **words)
         self.add_slide(a, slide)
         link = self.add_link(name, [d], f"axis_{name}", rate)
-        link.vectors[a] = (f"{reach}_x", f"{reach}_y")
+        link.vectors[a] = (f"reach_{name}_x", f"reach_{name}_y")
         self.placed.append(Placed("rpr", name, (link,), (a, d), by=per))
         lx, ly = link.in_loops
         (px, py), (qx, qy) = self.in_loops[a], self.in_loops[d]
-        left = ("", "") if offset == "0.0" else (f" - {offset} * {ly}", f" + {offset} * {lx}")
+        left = ("", "") if through else (f" - {offset} * {ly}", f" + {offset} * {lx}")
         self.rows += [
             f"    | {qx} + {slide} * {lx}{left[0]} - ({px})",
             f"    | {qy} + {slide} * {ly}{left[1]} - ({py})",
@@ -836,38 +799,27 @@ class Writer:
         """Write a slider on a line, in whose slot a pin slides."""
         a = self.point(("rpp",), given["rpp"])
         line = self.line(("along",), given["along"])
-        c, (ux, uy), (lx, ly) = line.start, line.unit, line.in_loops
-        slide, (ax, ay), (cx, cy) = f"slide_{name}", self.points[a], self.points[c]
-        rx, ry = minus(ax, cx), minus(ay, cy)
-        angle = (
-            self.value(
-                ("angle",),
-                given["angle"],
-                f"slot_{name}",
-                "rad",
-                f"angle of the slot of {name} from its line",
-            )
-            if "angle" in given
-            else ""
-        )
+        slide, (ux, uy), (lx, ly) = f"slide_{name}", line.unit, line.in_loops
+        rx, ry = difference(self.points[a], self.points[line.start])
+        angle, meaning = "", f"angle of the slot of {name} from its line"
+        if "angle" in given:
+            angle = self.value(("angle",), given["angle"], f"slot_{name}", "rad", meaning)
         off = f" - ({ux} * ({ry}) - {uy} * ({rx})) * (cosine({angle}) / sine({angle}))" if angle else ""
         self.fact(
-            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {c}",
+            f"{slide} [m] s_{name}: Place of the slider {name} on its line, from {line.start}",
             f"= {ux} * ({rx}) + {uy} * ({ry}){off}",
         )
         self.add_slide(name, slide)
-        of, ends = self.in_loops[a], _along(self.in_loops[c], slide, (lx, ly))
+        of, (at, ends) = self.in_loops[a], self.slid(line, slide)
         x, y = (minus(of[k], f"({ends[k]})") for k in range(2))
         along = f"(({x}) * {lx} + ({y}) * {ly})"
-        self.rows.append(
-            f"    | {along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})"
-            if angle
-            else f"    | {along}"
-        )
+        if angle:
+            along = f"{along} * sin({angle}) - (({y}) * {lx} - ({x}) * {ly}) * cos({angle})"
+        self.rows.append(f"    | {along}")
         self.links.append(Link(f"slider{name}", [name], name, (ux, uy), (lx, ly), line.link.rate))
         self.placed.append(Placed("rpp", name, (self.links[-1],), (a,), (line,), angle))
         self.owners[name] = self.links[-1]
-        self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
+        self.add_point(name, at, ends, "slider")
         self.bars.append(Bar(f"{name} {a}", {}))
 
     def write_prp(self, name: str, given: Mapping[str, Any]) -> None:
@@ -876,26 +828,23 @@ class Writer:
             ("prp",), given["prp"], "lines, each of two points of one link, or of a ground pivot and an angle"
         )
         one, other = (self.line(("prp",), line) for line in lines)
-        (c, (ux, uy), (lx, ly)), (g, (wx, wy), (kx, ky)) = (
-            (line.start, line.unit, line.in_loops) for line in (one, other)
-        )
+        slide, (ux, uy), (wx, wy), (kx, ky) = f"slide_{name}", one.unit, other.unit, other.in_loops
         self.placed.append(Placed("prp", name, lines=(one, other)))
         self.owners[name] = name
-        slide, (cx, cy), (gx, gy) = f"slide_{name}", self.points[c], self.points[g]
-        rx, ry = minus(gx, cx), minus(gy, cy)
+        rx, ry = difference(self.points[other.start], self.points[one.start])
         self.fact(
             f"step cross_{name} [1] u x w: Sine of the angle between both lines of {name}",
             f"= {ux} * {wy} - {uy} * {wx}",
         )
         self.fact(
-            f"{slide} [m] s_{name}: Place of {name} on its first line, from {c}",
+            f"{slide} [m] s_{name}: Place of {name} on its first line, from {one.start}",
             f"= (({rx}) * {wy} - ({ry}) * {wx}) / cross_{name}",
         )
         self.add_slide(name, slide)
-        of, ends = self.in_loops[g], _along(self.in_loops[c], slide, (lx, ly))
+        of, (at, ends) = self.in_loops[other.start], self.slid(one, slide)
         x, y = (minus(f"({ends[k]})", f"({of[k]})") for k in range(2))
         self.rows.append(f"    | ({x}) * {ky} - ({y}) * {kx}")
-        self.add_point(name, _along((cx, cy), slide, (ux, uy)), ends, "slider")
+        self.add_point(name, at, ends, "slider")
 
     def write_on(self, name: str, given: Mapping[str, Any]) -> None:
         """Write a point of a link, by its place along the axis from one point of it to another, and left of that."""
@@ -940,14 +889,9 @@ class Writer:
 
     def place_of(self, name: str, given: Mapping[str, Any], link: Link) -> tuple[str, str]:
         """Return the place of a point along the axis of its link, and left of that."""
-        place = self.pair(("at",), given["at"], "coordinates: names of inputs, or numbers in m")
-        u, v = (
-            self.value(
-                ("at",), one, f"{name}_{axis}", "m", f"place of {name} on {link.name}, {what} its axis"
-            )
-            for one, axis, what in zip(place, "uv", ("along", "left of"), strict=True)
-        )
-        return u, v
+        ways = (("u", "along"), ("v", "left of"))
+        of = ((f"{name}_{axis}", f"place of {name} on {link.name}, {way} its axis") for axis, way in ways)
+        return self.values(("at",), given["at"], COORDINATES, *of)
 
     def third_of(self, name: str, given: Mapping[str, Any], start: str, end: str) -> tuple[str, str]:
         """Return the place of a point by its distances from both ends of a bar, to the left of that or to the right."""
@@ -956,14 +900,8 @@ class Writer:
             what = f"{start}{end} is no bar whose length is given"
             raise InputError(what, ("lengths",), f"write {SHAPES['on']}")
         check_choice(("side",), side := given.get("side", "left"), ("left", "right"))
-        d, e = (
-            self.value(
-                ("lengths",), one, f"{OF_NUMBER}{of}{name}", "m", f"distance of {of} and {name}", "positive"
-            )
-            for one, of in zip(
-                self.pair(("lengths",), given["lengths"], "lengths"), (start, end), strict=True
-            )
-        )
+        of = ((f"{OF_NUMBER}{end}{name}", f"distance of {end} and {name}") for end in (start, end))
+        d, e = self.values(("lengths",), given["lengths"], "lengths", *of, rule="positive")
         self.lengths |= {frozenset((start, name)): d, frozenset((end, name)): e}
         u, v = f"along_{start}{end}_{name}", f"left_{start}{end}_{name}"
         self.fact(
@@ -998,13 +936,8 @@ class Writer:
             raise InputError(what, ("ratio",), remedy)
         bar = pivot + name
         length = self.length(("length",), given["length"], bar, "length of the bar")
-        phase = self.value(
-            ("phase",),
-            given.get("phase", 0),
-            f"phase_{bar}",
-            "rad",
-            f"angle of {bar} beyond that of its drive",
-        )
+        meaning = f"angle of {bar} beyond that of its drive"
+        phase = self.value(("phase",), given.get("phase", 0), f"phase_{bar}", "rad", meaning)
         (ux, uy), in_loops = self.direction(driver, start, end)
         (ax, ay), of_arm = self.direction(arm, start, pivot) if arm.rate else (("1.0", "0.0"), ("", ""))
         seen = f"{ux} * {ax} + {uy} * {ay}, {uy} * {ax} - {ux} * {ay}" if arm.rate else f"{ux}, {uy}"
@@ -1023,7 +956,7 @@ class Writer:
             f"step {rate} [1] n_{bar}: Angular velocity of {bar} over that of the crank",
             f"= {plus(times(f'{float(ratio)}', driver.rate or '0.0'), times(f'{1.0 - ratio}', arm.rate or '0.0'))}",
         )
-        self.turning(f"axis_{bar}", rate)
+        self.write(TURNING, vector=f"axis_{bar}", rate=rate)
         link = self.add_link(bar, [pivot, name], f"axis_{bar}", rate)
         self.placed.append(Placed("gear", bar, (link, driver, arm), (pivot,), by=f"{ratio}.0"))
         turns = f"{ratio}.0 * {_angle_of(in_loops)}" + ("" if phase == "0.0" else f" + {phase}")
@@ -1050,11 +983,8 @@ class Writer:
                 )
         self.problems.stop()
         if len(self.ways) > MOST_WAYS:
-            raise InputError(
-                f"{len(self.ways)} dyads have two ways each",
-                ("linkage", "dyads"),
-                f"write at most {MOST_WAYS}",
-            )
+            what = f"{len(self.ways)} dyads have two ways each"
+            raise InputError(what, ("linkage", "dyads"), f"write at most {MOST_WAYS}")
         if self.least:
             head = "least_transmission_angle [rad] mu: Least acute transmission angle of all dyads"
             self.fact(head, f"= {self.least}")
@@ -1068,28 +998,18 @@ class Writer:
                 *lines,
                 f"= {first} * select({rest} >= {2.0**k}, -1.0, 1.0)",
             )
-        name, title = (
-            str(self.declared["name"]),
-            str(self.declared["title"] or f"Linkage {self.declared['name']}"),
-        )
+        name = str(self.declared["name"])
+        title = str(self.declared["title"] or f"Linkage {name}")
         branches = []
         for number in range(2 ** len(self.ways)):
             words = [ways[number >> k & 1] for k, (_, ways, _) in enumerate(self.ways)]
             branches.append(f"{number + 1}: {'; '.join(words) or 'the only one'}")
-        inputs = [
-            line
-            for lines in self.inputs.values()
-            for line in (lines[0], *(f"    {one}" for one in lines[1:]))
-        ]
+        inputs = ["\n    ".join(lines) for lines in self.inputs.values()]
         drive = f"crank angle; direction of {self.links[1].name}"
         if "slider" in self.declared:
             drive = f"place of {self.placed[0].name} in its stroke; at the ends at 0 and pi"
         parts = ["[mechanism]", f"{name}: {title}", "[position]"]
-        parts += [
-            f"theta [rad] theta: {drive}",
-            "[branches]",
-            *branches,
-        ]
+        parts += [f"theta [rad] theta: {drive}", "[branches]", *branches]
         closes = ["[closes]", *(f"{gap}: {what}" for gap, what in self.gaps.items())]
         parts += [*closes, "[inputs]", *inputs]
         parts += ["## docs/linkages.md", "[facts]", *self.facts, *variant]

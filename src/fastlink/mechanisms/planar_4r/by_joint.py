@@ -108,7 +108,7 @@ def driven_by(joint: int) -> Catalogue:
         driven.facts |= dict.fromkeys(fact.names, fact)
     if joint != 1:
         driven.facts |= {name: planar_4r.facts[name] for name in ("P_along", "P_across")}
-        read_sheets(__file__, [f"places_{joint}"], driven)
+        read_sheets(__file__, [f"places_{joint}", "places"], driven)
         for name in PLACES:
             driven.facts[name] = replace(driven.facts[name], meaning=planar_4r.facts[name].meaning)
     # Angles jump where they pass pi, where they have no derivative: their extremes are those over the given angles.
