@@ -89,9 +89,6 @@ def refused(*arguments):
     return [line.removeprefix("fastlink: ") for line in lines]
 
 
-# -- run -------------------------------------------------------------------------------------------
-
-
 def test_run_writes_the_map_and_ends_with_the_summary(folder):
     done = called("run", "study.toml")
     assert (done.exit_code, done.stderr) == (0, "")
@@ -245,9 +242,6 @@ def test_the_words_of_others_are_for_commands_that_are_there():
     names = {command.name or command.callback.__name__ for command in app.registered_commands}
     assert not OTHER_NAMES.keys() - names
     assert not names & {word for words in OTHER_NAMES.values() for word in words}
-
-
-# -- the other commands ----------------------------------------------------------------------------
 
 
 def test_quantities_prints_the_table():
@@ -453,9 +447,6 @@ def test_usage_errors_end_with_2(folder):
         assert done.exit_code == 2
         assert "Usage: fastlink" in done.stderr
         assert "Traceback" not in done.output
-
-
-# -- the process -----------------------------------------------------------------------------------
 
 
 def test_the_version():

@@ -187,8 +187,6 @@ def test_a_mechanism_or_a_missing_file_is_not_a_study():
             function("planar_4r")
 
 
-# -- long words on the command line, whose usage typer tells; and names of nothing ----
-
 WORD = "w" * 5000
 DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 LINES = (
@@ -227,8 +225,6 @@ def test_at_least_one_objective_is_named(swept_maps):
             with pytest.raises(fl.InputError, match="no objective; write minimise="):
                 call()
 
-
-# -- imports ---------------------------------------------------------------------------------------
 
 IMPORTS = """
 import sys
@@ -303,9 +299,6 @@ def test_the_outputs_of_a_function_are_its_quantities():
         function.outputs  # noqa: B018
 
 
-# -- one default for the branch --------------------------------------------------------------------
-
-
 def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
     space = fl.grid(DESIGN | {"a2": [1.1, 1.2]})
     study = tmp_path / "study.toml"
@@ -320,9 +313,6 @@ def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
         assert inspect.signature(call).parameters["branch"].default == 1
     assert "2 designs, 1 branch" in fl.explain("planar_4r", space, ["omega4_max"]).title
     assert fl.planar.rate_extrema(space, pair="14").branch == 1
-
-
-# -- answers that misled ---------------------------------------------------------------------------
 
 
 def test_a_branch_that_a_result_lacks_is_no_condition_to_be_missed():

@@ -132,9 +132,6 @@ def test_a_wrong_option_is_refused_alike_at_every_door(folder, door, option, val
     assert sorted(path.name for path in folder.iterdir()) in ([], ["study.toml"])
 
 
-# -- paths -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("door", "key", "example"),
     [
@@ -202,9 +199,6 @@ def test_the_command_line_names_its_own_options(folder, arguments, option):
     assert Path("study.toml").read_text() == GOOD
 
 
-# -- attributes ------------------------------------------------------------------------------------
-
-
 NAMES = ["", "a/b", "a\0b", "a ", "\ud800", "_NCProperties", "CLASS", "coordinates", "a" * 300]
 VALUES = [None, b"text", {}, "x\0y", "\ud800", 2**64, -(2**63) - 1, 1j, [], ["x", "y"], [[1.0], [2.0, 3.0]]]
 VALUES += [np.zeros((2, 2)), np.longdouble(1), np.float16(1), np.datetime64("2020-01-01")]
@@ -260,9 +254,6 @@ def test_no_attribute_of_a_map_can_be_overwritten(folder):
     with pytest.raises(fl.InputError) as caught:
         sweep(attrs=maps[0].attrs)
     assert all(name in caught.value.what for name in ("mechanism", "designs", "threads", "run_time_s"))
-
-
-# -- threads ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("started", [0, 1, 3])

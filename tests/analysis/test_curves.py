@@ -37,8 +37,6 @@ from fastlink.planar import (
     straightness,
 )
 
-# -- sextic ------------------------------------------------------------------------------------------
-
 
 def majorant(inputs, X, Y):
     """Every term of the sextic with its absolute value: what one relative rounding each may do to it.
@@ -89,9 +87,6 @@ def test_the_sextic_is_tricircular_and_sees_both_branches_of_a_design():
     np.testing.assert_array_equal(c[1], sextic(design_of(0.5, 1.2, 0.8, 1.0, 0.3, 0.2)))
 
 
-# -- cognates ----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("branch", [1, 2])
 def test_cognates_trace_the_same_points(branch):
     inputs, theta = random_designs(35, 4000)
@@ -117,9 +112,6 @@ def test_cognates_trace_the_same_points(branch):
         assert good.sum() > 0.95 * closes.sum()
         allowed = 8 * UNIT_ROUNDING * reach * spread
         assert np.all(np.hypot(X - got["P_x"], Y - got["P_y"])[good] <= allowed[good]), cognate.number
-
-
-# -- length, area, straightness ----------------------------------------------------------------------
 
 
 def test_straightness():
@@ -155,9 +147,6 @@ def test_straightness_of_curves():
     ends = {"theta1": (np.pi - 1.2, np.pi + 1.2), "branch": 2}
     assert curve_straightness(**lambda_linkage, **ends, samples=201) == part
     assert curve_straightness(**lambda_linkage, branch=2) > 50 * part
-
-
-# -- inflections -------------------------------------------------------------------------------------
 
 
 def test_inflections_next_to_toggles_are_found():
@@ -201,8 +190,6 @@ def test_inflections_of_circles_and_of_many_designs():
 
 
 # == Crunodes and cusps of coupler curves against polylines and the instant centre ===========================
-
-# -- crunodes ----------------------------------------------------------------------------------------
 
 
 def test_two_configurations_of_the_linkage_meet_at_a_crunode():
@@ -292,9 +279,6 @@ def test_crunodes_against_crossings_of_polylines(n):
     # A polyline misses loops smaller than its steps and may double crossings of nearly tangent arcs (none seen).
     assert same >= 0.99 * n
     assert coarse <= 0.05 * n
-
-
-# -- cusps -------------------------------------------------------------------------------------------
 
 
 def coupler_motion(lengths, point, e):

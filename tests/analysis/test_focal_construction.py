@@ -128,9 +128,6 @@ def test_lengths_may_be_as_unlike_as_each_may_be(name):
         getattr(fl.focal, name)(1e-12, 1e13, 1e13, 1e13, 0.5, **further)
 
 
-# -- the best point -------------------------------------------------------------------------------------------------
-
-
 def test_no_support_and_no_completion_has_a_greater_least_angle():
     rng = np.random.default_rng(5)
     a, b, c, d = rng.uniform(0.3, 3.0, (4, 60))
@@ -176,9 +173,6 @@ def test_the_ratio_that_the_design_is_given_by_is_one_of_three():
     ):
         with refused("by", "did you mean 'lambda_'"):
             function(4.0, 5.0, 2.0, 4.0, 1.2, by="lambda")
-
-
-# -- the five-bar -----------------------------------------------------------------------------------------------------
 
 
 def test_the_five_bar_keeps_its_bars_and_its_angle():
@@ -257,9 +251,6 @@ def test_a_hart_linkage_is_the_five_bar_of_7_2():
     assert {name: float(value) for name, value in made.items() if name != "completion"} == {
         "a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "rho": -1.0,
     }  # fmt: skip
-
-
-# -- AB held fixed ----------------------------------------------------------------------------------------------------
 
 
 def test_held_at_AB_it_is_a_focal_mechanism_that_moves_as_seen_from_AB(known):

@@ -15,9 +15,6 @@ HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 BARS = fl.round_bar(7750.0, 0.01)
 
 
-# -- balancing ----------------------------------------------------------------------------------------------
-
-
 def test_force_balance_leaves_no_shaking_force():
     rng = np.random.default_rng(31)
     n = 40
@@ -67,9 +64,6 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
         fl.planar.force_balance(design)
 
 
-# -- over the cycle -----------------------------------------------------------------------------------------
-
-
 def test_the_flywheel_takes_up_the_fluctuation():
     maps = sweep_4r(fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
     inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
@@ -91,9 +85,6 @@ def test_the_flywheel_of_a_map_in_a_file(tmp_path):
     converted = maps.assign_coords(omega=maps.omega.assign_attrs(units="rpm"))
     with pytest.raises(fl.InputError, match=r"omega.*rpm.*; give the map as it was"):
         fl.planar.flywheel_inertia(converted, C_s=0.02)
-
-
-# -- Table 3 ------------------------------------------------------------------------------------------------
 
 
 def test_table_3_as_it_follows_from_table_1():

@@ -198,9 +198,6 @@ def test_points_are_moved_with_the_digits_of_both_null_coordinates():
     np.testing.assert_array_equal(plane.moved([1e-300, 1e-300], 800.0), plane.polar(1e-300, 800.0) * 2.0)
 
 
-# -- triangles ---------------------------------------------------------------------------------------------------
-
-
 def pure_triangles(seed, n=N):
     """Vertices of whole numbers with AB and BC future-pointing timelike: any, nearly lightlike, nearly flat, flat."""
     rng = np.random.default_rng(seed)
@@ -337,9 +334,6 @@ def test_the_ground_link_is_at_least_as_long_as_the_others_together():
     assert not found[::4].any()
     assert (np.delete(found, np.s_[::4]) > 0.0).all()
     assert np.isnan(plane.quadrilateral_excess(O, B, A, C)).all()
-
-
-# -- what is read ------------------------------------------------------------------------------------------------
 
 
 def test_vectors_broadcast_and_gaps_stay():

@@ -109,8 +109,6 @@ def test_every_request_is_one(label):
     assert refined == ("extremes of" in label or label in (answers.COMMAND, "greatest shaking force"))
 
 
-# ---- --check ----
-
 ANSWERS = {"request": "rates", "to_heyoka": 3.0, "to_fixed": 2.0, "known_to_fixed": 1.0}
 RECORD = {
     "facts": [fact("a / C", 1.0), fact("b / C", 1.0), fact("a", 3.0, "ns"), fact("NumPy / a", 9.0, "times")],
@@ -174,9 +172,6 @@ def test_single_precision_has_digits_of_single_precision():
     assert single.dtype == np.float32
     # Some 40 roundings of 2^-24, times a condition of up to 100; one rounding at least is seen.
     assert 2.0**-25 < difference([double], [single]) <= 40 * 100 * 2.0**-24
-
-
-# ---- of the Minkowskian 4R ----
 
 
 def test_eq3_has_the_same_roots():

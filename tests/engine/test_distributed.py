@@ -197,9 +197,6 @@ def test_what_a_worker_cannot_bring_to_the_disk_is_not_recorded(workers, small_t
     assert list(tmp_path.iterdir()) == []
 
 
-# -- many workers ----------------------------------------------------------------------------------
-
-
 class Simulated:
     """A client of as many workers of one thread each, in a time of its own: 2 ms for a task, and 3 us for a design."""
 
@@ -259,9 +256,6 @@ def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, wo
     assert min(client.tasks.values()) >= 3
 
 
-# -- what is refused -------------------------------------------------------------------------------
-
-
 def test_what_is_no_client_is_refused(workers):
     with Client(workers.scheduler.address) as closed:
         pass
@@ -304,9 +298,6 @@ def test_a_study_runs_on_a_cluster(workers, tmp_path):
     refusal = CliRunner().invoke(app, [*command, "tcp://127.0.0.1:9"])
     assert refusal.exit_code == 2
     assert "--dask: no scheduler answers" in refusal.output
-
-
-# -- workers that are lost, last: they take seconds to start again -----------------------------------
 
 
 @pytest.mark.parametrize(

@@ -118,8 +118,6 @@ def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
     assert "2/3: designs 11 to 22 of 35" in parts[1].fastlink.summary()
 
 
-# --- without a copy --------------------------------------------------------------------------------
-
 #: Sixteen parts of several blocks, whose borders cut rows of both axes.
 SIXTEEN = (*LARGE, {"theta1": 6})
 SUBFOLDER = "parts of 50%b"  # by which HDF5 would count
@@ -272,8 +270,6 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(tmp_path, gr
         joined_to(tmp_path, grid_parts, overwrite=True)
 
 
-# --- on the way ------------------------------------------------------------------------------------
-
 #: Six processes at once, one of which is killed.
 PROCESSES = """
 import os, signal, sys, time
@@ -345,9 +341,6 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
     with fl.join(paths, to=tmp_path / "maps.h5", copy=True) as joined:
         assert copied == [(21, 28), (28, 35)]
         assert_same(joined, sweep("grid", to=tmp_path / "whole.h5"))
-
-
-# --- what is refused -------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")

@@ -42,9 +42,6 @@ BARS = fl.round_bar(density=7750.0, radius=0.01)
 FORCES = ["shaking_force_max", "omega4_max"]
 
 
-# -- The table of units
-
-
 PAIRS = [("mm", "m"), ("in", "m"), ("lb", "kg"), ("g_cm3", "kg m-3"), ("kg_mm2", "kg m2"), ("mm/s", "m s-1")]
 OTHERS = [("rpm", "s-1"), ("mm", "m2"), ("g cm3", "kg m-3"), ("N", "N m"), ("furlong", "m")]
 
@@ -87,9 +84,6 @@ def test_every_unit_of_the_catalogues_is_read_and_every_name_is_split_again():
                 assert split(with_unit(of, text), known) == (of, written)
     assert len(UNITS) == sum(len(texts.split()) for texts, *_ in TABLE)
     assert all(factor_of(usual, units) for units, (_, usual) in KINDS.items())
-
-
-# -- Every door that takes inputs by name
 
 
 def study(folder, inputs, tables=""):
@@ -285,9 +279,6 @@ def test_a_text_with_a_unit_is_refused_with_the_name_to_write():
         fl.grid(a1="40 furlongs", **REST)
 
 
-# -- Labels, heads of columns, conditions, and results in other units
-
-
 AXES = fl.grid(a1=[0.3, 0.4, 0.5], a2=1.1, a3=[0.7, 0.8], a4=1.0, omega1=25.0, P_u=0.5, P_v=0.1)
 
 
@@ -430,9 +421,6 @@ def test_results_in_other_units(maps, monkeypatch):
     assert lazy.shaking_force_max.chunks is not None
     xr.testing.assert_equal(lazy.compute(), given.fastlink.convert("mm"))
     assert given.astype("float32").shaking_force_max.fastlink.convert("kN").dtype == np.float32
-
-
-# -- Studies, and what looks like millimetres
 
 
 STUDY = """

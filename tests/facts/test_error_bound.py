@@ -32,9 +32,6 @@ def quantities(mechanism):
     return [name for name, fact in mechanism.public.items() if not fact.flags]
 
 
-# -- each law ----------------------------------------------------------------------------------------------
-
-
 #: The law over magnitudes and errors, and the operation.
 LAWS = {
     "product": (lambda x, y, e, f: bounds.of_product(abs(x), abs(y), e, f), lambda x, y: x * y),
@@ -99,9 +96,6 @@ def test_a_product_or_quotient_of_pairs_is_right_to_twice_the_digits(function, o
         )
 
 
-# -- small mechanisms: what is counted -----------------------------------------------------------------------
-
-
 #: Formulas, and how often a rounding changes them.
 COUNTED = {
     "x * y": 1.0,
@@ -148,9 +142,6 @@ def test_the_words_of_sums_of_two_meet():
     assert np.all(found["p_error"] <= 3.001 * UNIT_ROUNDING * np.abs(found["p"]))
 
 
-# -- every quantity ------------------------------------------------------------------------------------------
-
-
 def bounds_over_errors(entry, names, kind, n):
     """Return quantities and their ratios of bound to error in configurations, where no error is beyond its bound."""
     inputs = in_every_mode(entry, entry.drawn(kind, 10, n))
@@ -189,8 +180,6 @@ def test_every_bound_holds_and_is_not_much_greater_than_the_error(entry):
     assert not near or np.mean(near) > entry.near_bounds
     assert np.median([ratio for _name, ratio in ratios]) < entry.looseness
 
-
-# -- in sweeps -----------------------------------------------------------------------------------------------
 
 SWEPT = {
     "planar_4r": (
@@ -326,8 +315,6 @@ def test_nothing_of_a_bound_is_computed_unless_it_is_asked_for(name):
     steps = mechanism.dependencies(quantities(mechanism), (*mechanism.inputs, *given))
     assert not [step.name for step in steps if step.name.endswith(("_error", "_trust"))]
 
-
-# -- deep texts ---------------------------------------------------------------------------------------------------
 
 DEEP = ["d_F41_d_a1_error", "d_shaking_moment_printed_d_a1_error"]
 

@@ -196,9 +196,6 @@ def test_a_declared_limit_hides_the_extreme_of_the_same_name():
         make_plan(catalogue, ["A_y_extrema"], given=list(catalogue.inputs))
 
 
-# -- each name has one reading -------------------------------------------------------------------------------
-
-
 @pytest.fixture
 def made():
     return toy("[inputs]\na [m] a: a length")
@@ -278,8 +275,6 @@ def test_a_reduction_cannot_be_called_what_an_ending_means_already(how):
     with pytest.raises(CatalogueError, match="a reduction cannot be called"):
         register_reduction(how, has_position=False)
 
-
-# -- one module knows the rules ------------------------------------------------------------------------------
 
 ENDINGS = ["error", "trust", "extrema", "extrema_count", "extrema_kind", "extrema_error", "gradient_status"]
 ENDINGS += [*REDUCTIONS]

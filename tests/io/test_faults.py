@@ -55,9 +55,6 @@ def assert_resumes(path, expected, designs):
     assert left_in(path.parent) == [path.name]
 
 
-# --- nothing finished is touched -------------------------------------------------------------------
-
-
 def test_a_second_name_that_a_kill_has_left_of_a_map_is_not_emptied(tmp_path):
     """Of systems that cannot rename without replacing: a kill between link and unlink leaves both names."""
     path, part, kept = tmp_path / "m.h5", tmp_path / "m.h5.part", tmp_path / "kept.h5"
@@ -110,9 +107,6 @@ def test_a_whole_map_without_its_name_is_refused_to_another_request(tmp_path):
     assert digest(part) == before
     sweep(path, restart=True).close()
     assert left_in(tmp_path) == ["m.h5"]
-
-
-# --- nothing noted is lost -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError(errno.EIO, "I/O")])
@@ -255,9 +249,6 @@ def test_an_interrupt_of_the_verification_keeps_all_designs(tmp_path, monkeypatc
             sweep(path)
     assert "100% of the designs are kept" in caught.value.__notes__[0]
     assert_resumes(path, expected, 64)
-
-
-# --- faults by the hundred -------------------------------------------------------------------------
 
 
 def trial_sweep(to, **options):

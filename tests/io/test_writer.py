@@ -24,8 +24,6 @@ from fastlink.io.reader import open_map
 from fastlink.io.writer import Writer, lay_out
 from fastlink.space.samplers import grid
 
-# --- what is in the file ---------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize("space", SPACES.values(), ids=SPACES)
 def test_the_file_equals_the_dataset_in_memory_in_both_engines(tmp_path, space):
@@ -68,9 +66,6 @@ def test_the_layout_is_contiguous_aligned_and_without_slack(tmp_path):
             assert h5py.h5g.get_objinfo(file.id, name.encode()).mtime == 0
         assert "_FillValue" not in file["a2"].attrs
     assert 160_000 < path.stat().st_size < 160_000 + 40_000
-
-
-# --- how it appears --------------------------------------------------------------------------------
 
 
 def test_the_name_exists_only_when_the_file_is_complete(tmp_path):
@@ -193,9 +188,6 @@ def test_a_link_is_followed(tmp_path):
     assert (tmp_path / "link.h5").is_symlink()
 
 
-# --- what is refused -------------------------------------------------------------------------------
-
-
 BLOCKS = {
     "other type": ("omega4_max", 0, np.zeros(2, "f4"), TypeError, "block is float32, the variable float64"),
     "other byte order": ("omega4_max", 0, np.zeros(2, ">f8"), TypeError, "block is >f8"),
@@ -315,8 +307,6 @@ def test_chunks_need_dask(tmp_path, monkeypatch):
 
 # == The place of a map file: other processes, systems that lack something, full disks, bad places ===========
 
-# --- other processes -------------------------------------------------------------------------------
-
 
 def test_what_a_killed_run_left_is_replaced(tmp_path):
     path, part, killed = tmp_path / "m.h5", tmp_path / "m.h5.part", Sample()
@@ -412,8 +402,6 @@ def test_of_two_runs_that_start_at_once_one_is_refused(tmp_path):
         path.unlink()
 
 
-# --- systems that lack something -------------------------------------------------------------------
-
 LACKING = {
     "pwrite": lambda patch: patch.delattr(os, "pwrite"),
     "room for a whole write": lambda patch: patch.setattr(
@@ -437,9 +425,6 @@ def test_the_same_file_comes_out_where_the_system_lacks(tmp_path, monkeypatch, l
     with Sample().writer(tmp_path / "failed.h5"):
         pass
     assert left_in(tmp_path) == ["m.h5", "usual.h5"]
-
-
-# --- full disks ------------------------------------------------------------------------------------
 
 
 def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
@@ -504,9 +489,6 @@ def test_a_disk_that_fills_up_as_room_is_reserved(tmp_path, monkeypatch, good_ca
         "another disk"
     )
     assert left_in(tmp_path) == []
-
-
-# --- bad places ------------------------------------------------------------------------------------
 
 
 def test_places_that_cannot_be_written(tmp_path, monkeypatch):

@@ -37,9 +37,6 @@ def maps(path):
         return opened.load()
 
 
-# -- masks -----------------------------------------------------------------------------------------
-
-
 def test_masks_are_those_of_the_codes(maps):
     mask = maps.fastlink.status_is("rotates fully", "change_point")
     assert_array_equal(mask, maps.status.isin([0, 3]))
@@ -83,9 +80,6 @@ def test_codes_whose_attributes_are_damaged_have_no_meanings(maps):
         broken.fastlink.status_is("rotates_fully")
 
 
-# -- infinite values -------------------------------------------------------------------------------
-
-
 def test_infinite_values_become_nan_and_are_counted(maps, path):
     infinite = np.isinf(maps.omega4_max.values)
     assert infinite.any()
@@ -103,9 +97,6 @@ def test_a_finite_map_is_drawn_by_xarray(maps):
     pytest.importorskip("matplotlib").use("agg")
     mesh = maps.fastlink.finite().omega4_max.isel(a4=0, branch=0).plot()
     assert np.isfinite(mesh.get_clim()).all()
-
-
-# -- units -----------------------------------------------------------------------------------------
 
 
 def test_angles_become_degrees_and_rates_stay(maps):
@@ -155,9 +146,6 @@ def test_names_without_units_are_refused(maps):
         maps.fastlink.convert(omega4_mx="rpm")
     with refused("status", ""):
         maps.fastlink.convert(status="rpm")
-
-
-# -- best designs ----------------------------------------------------------------------------------
 
 
 def best_by_sorting(maps, name, n, largest, inside):

@@ -202,9 +202,6 @@ def test_sweeps_know_small_angles_too():
     assert not np.isinf(maps["theta1_low_error"]).any()  # it belongs to the design
 
 
-# -- gaps that count as zero -------------------------------------------------------------------------------------------
-
-
 def test_a_gap_that_counts_as_zero_is_in_the_bound():
     names = ["omega4", "theta4", "transmission_angle"]
     asked = [f"{name}{ending}" for name in names for ending in ("", "_error", "_trust")]

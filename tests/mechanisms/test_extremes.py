@@ -67,8 +67,6 @@ def by_name(*lengths, **others):
     return columns | {name: np.full(len(lengths), value) for name, value in others.items()}
 
 
-# -- within their bounds ----------------------------------------------------------------------------------------------
-
 CASES = [(PLANAR, kind) for kind in PLANAR.families] + [(entry, "random") for entry in SEARCHED[1:]]
 
 
@@ -174,9 +172,6 @@ def test_the_bound_of_the_best_counts_that_another_one_may_be_it(best, bound, va
     assert of_better(best, bound, value, other) == of_best
 
 
-# -- labels, verification, refusals -----------------------------------------------------------------------------------
-
-
 def test_a_kernel_computes_errors_and_keeps_places_on_request_alone():
     names = ("omega4_max", "alpha4_max", "omega4_rms")
     plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
@@ -251,9 +246,6 @@ def test_a_position_has_no_extremes():
             omega1=1.0,
             **dict(zip(LENGTHS, CRANK, strict=True)),
         )
-
-
-# -- whatever else is requested ---------------------------------------------------------------------------------------
 
 
 def parts_of(name, position, by):
@@ -340,8 +332,6 @@ def test_designs_in_a_sweep_leave_each_other_alone():
 
     np.testing.assert_array_equal(least(40), least(0))
 
-
-# -- beside folds and sharp turns, where samples do not show them ------------------------------------------------------
 
 BARS = ("m1", "I1", "G1_u", "G1_v", "m2", "I2", "G2_u", "G2_v", "m3", "I3", "G3_u", "G3_v")
 
@@ -481,8 +471,6 @@ def test_a_limit_at_a_fold_that_has_no_value_is_flagged():
     assert float(found.T_y_max_error) == np.inf
 
 
-# -- no extreme hides between samples ----------------------------------------------------------------------------------
-
 #: Half the number of cells of a search that divides none; a power of two.
 FINE = 512
 #: What may still hide, of all counts: where the gap of a change point is near the rounding of the lengths, one pair of
@@ -543,8 +531,6 @@ def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
     counts = sweep_4r(space, ["F32_extrema_count"], links=bars).F32_extrema_count
     assert np.all(counts == 0)
 
-
-# -- magnitudes that almost vanish, angles that turn back ------------------------------------------------------------
 
 #: The functions that are not smooth where their argument vanishes; `sqrt` and `select` choose and scale within facts.
 SHARP = {"abs", "magnitude", "largest", "sign", "absolute", "choice", "zero_where"}

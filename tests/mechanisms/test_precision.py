@@ -102,9 +102,6 @@ def test_an_error_in_the_fifteenth_digit_is_noticed(mechanism):
     assert len(noticed) > 0.7 * len(entry.names)
 
 
-# -- derivatives --------------------------------------------------------------------------------------------------
-
-
 def variables(entry):
     """Return the inputs with the position, which derivatives are by, and the sets of facts that they choose."""
     truth = Truth(entry, (), in_every_mode(entry, entry.drawn("random", 1, 2)))
@@ -177,9 +174,6 @@ def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     assert all(count <= len(inputs[by]) / 4 for count in often.values()), often
     errors = {name: error_by_quantity(entry, quantities[name], by, one) for name, _, one in beyond}
     assert all(error <= entry.multiple for error in errors.values()), errors
-
-
-# -- units of length ----------------------------------------------------------------------------------------------
 
 
 def power_of_length(units):

@@ -69,9 +69,6 @@ def motion_of(mechanism, design, **options):
     return Motion(mechanism, known, picture_of(mechanism, known), design, (1, 2), None, **options)
 
 
-# -- what is drawn is what the facts say -----------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_every_mechanism_declares_what_is_drawn_of_it(mechanism):
     """A mechanism without a picture, or with one that names no facts of it, fails here."""
@@ -197,9 +194,6 @@ def test_an_angle_is_in_degrees_unless_it_is_given_in_radians():
     assert any("$\\theta_{1}$ = 1 rad" in text.get_text() for text in figure.texts)
 
 
-# -- the range of the motion -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("mechanism", "design", "limits"),
     [
@@ -241,9 +235,6 @@ def test_a_range_that_is_only_looked_at_is_no_limit():
     assert motion.range_texts(False) == [f"up to -{outer}", f"-{inner} to {inner}", f"{outer} on"]
     assert motion.span == (-5.0, 5.0)
     assert bars(fl.draw("minkowski_4r", linkage, theta=4.5))
-
-
-# -- words, strips and curves ----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -363,8 +354,6 @@ def test_curves_stand_beside_with_the_input_marked():
         assert_allclose(marks, [(60.0, value) for value in np.degrees(expected)], rtol=1e-14)
 
 
-# -- designs of studies, maps and rows -------------------------------------------------------------------------------
-
 STUDY = """
 mechanism = "planar_4r"
 quantities = ["transmission_angle_min"]
@@ -430,8 +419,6 @@ def test_a_row_has_its_assembly_mode_and_its_position(maps):
     assert {branch for *_, branch in bars(fl.draw(rows, 1, theta1_deg=20, branch=[1, 2]))} == {"1", "2"}
 
 
-# -- moving pictures -------------------------------------------------------------------------------------------------
-
 FRAMES = 3
 
 
@@ -480,9 +467,6 @@ def test_a_film_is_handed_to_ffmpeg(tmp_path, monkeypatch):
     program.write_text(f"{script}sys.exit('no such codec')\n")
     with refused("animate", "a .gif"):
         fl.draw("hart", m=4.0, n=8.0, d=5.0, kappa=0.5, animate=film, frames=2)
-
-
-# -- what means nothing ----------------------------------------------------------------------------------------------
 
 
 def test_of_several_positions_one_may_lie_beyond_the_limits():

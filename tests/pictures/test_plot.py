@@ -93,9 +93,6 @@ def finite(values):
     return np.where(np.isfinite(values), values, np.nan)
 
 
-# -- maps ------------------------------------------------------------------------------------------
-
-
 def test_a_map_shows_the_values_where_they_belong(maps):
     figure = fl.plot(maps, "omega4_max", branch=2, at={"a4": 0.97})
     (axes,) = panels(figure)
@@ -213,9 +210,6 @@ def test_a_few_outliers_do_not_use_up_the_colours():
     assert limits_of(np.ones(3), np.ones(3), 2.0) == (0.5, 1.5, "neither")
 
 
-# -- grids of maps ---------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def solid():
     space = fl.grid(
@@ -254,9 +248,6 @@ def test_assembly_modes_that_differ_have_a_row_each_and_codes_a_legend(solid):
     assert figure.get_suptitle().endswith("branches 1 and 2 (they agree)")
     codes = panels(fl.plot(solid, "grashof_class", panels="a3"))
     assert (len(codes), "crank rocker" in words(codes[-1])) == (3, True)
-
-
-# -- lines -----------------------------------------------------------------------------------------
 
 
 def test_curves_are_a_line_for_each_mode(curves):
@@ -317,9 +308,6 @@ def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
     assert 1 < len(contours.levels) < 7  # of eight; those near the toggles are on each other
 
 
-# -- degrees ---------------------------------------------------------------------------------------
-
-
 def test_angles_in_degrees_along_axes_and_in_colours(flat):
     figure = drawn(flat, "theta4", branch=2, at={"theta1": 91.0}, degrees=True)
     assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90°, branch 2")
@@ -353,8 +341,6 @@ def test_an_angle_that_passes_half_a_turn_is_cut_and_has_cyclic_colours():
     assert_array_equal(lines[0][np.isfinite(lines[0])], values[np.isfinite(values)])
     assert_allclose(lines[1], np.rad2deg(lines[0]), rtol=4e-16)
 
-
-# -- what users make of maps -----------------------------------------------------------------------
 
 LABELS = ["a_$", "b$^2$", "x" * 99, ""]
 CHANGES = {
@@ -420,9 +406,6 @@ def test_a_map_of_one_mode_has_that_mode():
         fl.plot(one, "omega4_max", branch=1)
 
 
-# -- values ----------------------------------------------------------------------------------------
-
-
 def shaped(make):
     """Return a function that makes values of a shape from their count."""
     return lambda values: make(values.size).reshape(values.shape)
@@ -468,9 +451,6 @@ def test_any_values_are_drawn_and_what_is_the_same_everywhere_says_so(flat, valu
     line = fl.plot(changed, "omega4_max", branch=1, at={"a1": 0.2}).axes[0]
     assert says.partition(" where")[0] in line.get_title()
     assert line.get_ylim()[0] < line.get_ylim()[1]
-
-
-# -- rows: points, cells, corners, cumulative distributions, fronts --------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -565,9 +545,6 @@ def test_a_front_is_that_of_best(rows):
     assert len([axis for axis in three.axes if axis.get_visible()]) == 6
 
 
-# -- doors, files and state ------------------------------------------------------------------------
-
-
 def test_a_map_has_its_pictures_itself(rows, folder):
     fronts = {"minimise": "omega4_max", "maximise": "a1"}
     for figure, other in (
@@ -650,9 +627,6 @@ def test_without_matplotlib_every_door_has_the_remedy_and_with_it_its_state_is_l
 )
 def test_symbols_are_set_as_mathematics(symbol, text):
     assert mathematical(symbol) == text
-
-
-# -- what cannot be drawn --------------------------------------------------------------------------
 
 
 def plot(name="omega4_max", **options):

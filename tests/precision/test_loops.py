@@ -32,9 +32,6 @@ from fastlink.precision.reference import CONTEXT, HighPrecision
 ENTRY = {str(entry): entry for entry in ENTRIES if entry.solver == "eliminated"}
 CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 
-# -- what the loops confirm
-# ---------------------------------------------------------------------------------------
-
 #: What loops do not give: codes, measures of the loop, centres, inertias and limits of designs. Each is held by a test
 #: of its mechanism.
 SILENT = {
@@ -124,9 +121,6 @@ def test_both_references_have_the_same_numbers(mechanism, drive, n):
     assert min(counts[True], counts[False]) > n // 12
 
 
-# -- designs from all that is legal
-# -------------------------------------------------------------------------------
-
 #: Designs of each mechanism, of all its inputs together, in the long form: half an hour of one core each.
 MANY = 1_000_000
 #: In each run a few.
@@ -178,10 +172,6 @@ def test_the_last_bits_of_a_near_kite_decide_on_which_side_F_passes_a_pivot(kite
     assert tally.failures == {}
     # of 17 by 17 near kites 17 have one equal pair, whose F may pass the pivot itself: nothing is known there
     assert tally.counts["values"] > 6 * tally.counts["flagged"] > 0
-
-
-# -- what is noticed
-# ----------------------------------------------------------------------------------------------
 
 
 def test_a_value_beyond_its_bound_and_one_where_there_is_none_are_failures():

@@ -135,8 +135,6 @@ def four_bar_toggles(crank, coupler, output, ground):
         return tuple(arccosine((squares - (coupler + s * output) ** 2) / twice) for s in (-1.0, 1.0))
 
 
-# -- by mechanism --------------------------------------------------------------------------------------------------
-
 LOADS = {
     "gravity": ("gravity_x", "gravity_y"),
     "load": ("FP_x", "FP_y"),

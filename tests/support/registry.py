@@ -105,8 +105,6 @@ def anywhere(mechanism: str, input: str, most: float = np.pi) -> dict[str, Famil
     return {"random": draw}
 
 
-# -- planar 4R --------------------------------------------------------------------------------------------------
-
 #: Terms of at most 1, each right to some ten roundings times the amplification of the lengths and the angle.
 CLOSURE = {
     name: 64 * UNIT_ROUNDING
@@ -163,9 +161,6 @@ PLANAR_4R = (
 )
 
 
-# -- Minkowskian 4R ---------------------------------------------------------------------------------------------
-
-
 #: 1 + w, w being right to 6 units of 2^-53: two sums, two quotients, two products.
 COSINES = dict.fromkeys(
     ("cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max", "cosh_theta_branching"), 7.0
@@ -185,8 +180,6 @@ MINKOWSKI_4R = (
     ),
 )
 
-
-# -- focal mechanism --------------------------------------------------------------------------------------------
 
 CIRCLES_OF_FOCAL = tuple(
     f"{points}_{of}" for points in ("PFQX", "SFTY", "PSQT") for of in ("x", "y", "radius")
@@ -228,8 +221,6 @@ FOCAL = (
 )
 
 
-# -- Hart's linkage ---------------------------------------------------------------------------------------------
-
 HART = (
     # 3.7 is the worst seen in 10^4 configurations.
     Entry(
@@ -260,8 +251,6 @@ HART = (
     ),
 )
 
-
-# -- slider-crank -----------------------------------------------------------------------------------------------
 
 SLIDER_CRANK = (
     # 3.2 is the worst seen in 10^4 configurations, but for the forces at A across the line.

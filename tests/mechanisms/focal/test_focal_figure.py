@@ -66,9 +66,6 @@ def test_the_graphic_solution_of_figure_4():
         assert abs(2.0 * at["r"] - (at["h1"] - at["h2"])) <= 10 * UNIT_ROUNDING * a
 
 
-# -- motion -------------------------------------------------------------------------------------------------------
-
-
 def test_the_crank_turns_without_a_jump_of_branch():
     """Whole turns: from sample to sample the rockers move as their rates say, and come back."""
     designs = random_designs(np.random.default_rng(6), 4000)
@@ -96,9 +93,6 @@ def test_the_crank_turns_without_a_jump_of_branch():
         first, last = found[name][:, 0], found[name][:, -1]
         allowed = lost[:, 0] + lost[:, -1] + (np.abs(rate[:, 0]) + 4.0) * 2 * np.pi * UNIT_ROUNDING
         assert (np.abs(np.exp(1j * first) - np.exp(1j * last)) <= allowed).all()
-
-
-# -- sweeps -------------------------------------------------------------------------------------------------------
 
 
 def test_extremes_of_what_passes_infinity_are_those_of_the_given_positions():

@@ -105,9 +105,6 @@ def test_change_points_are_told_as_such():
     assert [flags[int(code)] for code in found] == ["change_point_kite_a_d", "change_point_kite_a_c"]
 
 
-# -- where both completions meet: the last bit of the inputs decides whether there is one -------------------------
-
-
 def quadratic(given, lengths, sign):
     """Return the coefficients of the discriminant times the denominators, by powers of what is given, least first.
 
@@ -168,9 +165,6 @@ def test_the_last_bit_decides_whether_there_is_a_completion(given):
             np.testing.assert_array_equal(np.isfinite(found[name]), exist)
     assert 0.2 < np.mean(exist) < 0.8
     assert len(exist) > 200
-
-
-# -- studies --------------------------------------------------------------------------------------------------
 
 
 def test_the_study_of_chebyshev_s_linkage(tmp_path):

@@ -15,9 +15,6 @@ KITE_FLAGS = catalogue("hart").facts["is_kite"].flags
 STATUS_FLAGS = catalogue("hart").facts["status"].flags
 
 
-# -- the stroke, and F as the driven joint ---------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "design",
     [WUNDERLICH, {"m": 1.0, "n": 8.0, "d": 7.0, "kappa": 0.5}, {"m": 1.0, "n": 1.4, "d": 2.5, "kappa": 0.6}],
@@ -43,9 +40,6 @@ def test_F_traces_its_stroke_and_assembles_along_it_alone(design):
     for name in ("phi", "F_x", "P_y"):
         np.testing.assert_array_equal(np.isfinite(maps[name]), [inside, inside])
     assert maps.phi.dims == ("branch", "F_y")
-
-
-# -- the example of the paper, kites, codes --------------------------------------------------------------------
 
 
 def test_the_linkage_of_figures_6_and_7():

@@ -36,9 +36,6 @@ def evaluated(names, theta, **given):
     )
 
 
-# -- the paper ----------------------------------------------------------------------------------------------------
-
-
 def test_both_roots_are_past_pointing_in_the_example_of_the_errata():
     names = ["CB_orientation", "half_angle_root", "zeta", "cosh_zeta"]
     found = evaluated(names, [-1.0, 0.0, 1.0], a=1.0, b=1.0, g=4.0, h=1.0)
@@ -46,9 +43,6 @@ def test_both_roots_are_past_pointing_in_the_example_of_the_errata():
     assert (abs(found["half_angle_root"]) > 1).all()
     assert np.isnan(found["zeta"]).all()
     assert (found["cosh_zeta"] < -1).all()
-
-
-# -- far out ------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [720.0, 1e3, 1e42, 1e300, 1e308])
@@ -108,9 +102,6 @@ def test_derivatives_hold_their_bounds_far_out(n):
     lengths = dict(zip("abgh", rng.uniform(0.3, 2.0, (4, n)), strict=True))
     theta = rng.choice([-1.0, 1.0], n) * np.linspace(345.0, 640.0, n)
     assert within_bounds(lengths | {"theta": theta}, rng) > 10 * n
-
-
-# -- right, or flagged, never a quiet NaN -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

@@ -53,9 +53,6 @@ def decoded(name, values):
     return meanings[np.asarray(values).astype(int)]
 
 
-# -- designs ------------------------------------------------------------------------------------------------
-
-
 def random_lengths(rng, n):
     return np.exp(rng.uniform(-0.9, 0.9, (4, n)))
 
@@ -169,8 +166,6 @@ def at_theta_0(lengths):
     return b * (g - a), (g - a) ** 2 + b * b - h * h, b * (g - a)
 
 
-# -- what the paper prints ------------------------------------------------------------------------------------
-
 #: Section 3.7: lengths, the hyperbolic cosines of the limits, T1 to T5, at the branching points, the type.
 EXAMPLES = {
     1: ((1, 1, 4, 1), (1.625, 2.125, -2.125, -1.625), (3, -3, 1, 5, 5), 1.5, "strange_superrocker_crank"),
@@ -228,9 +223,6 @@ def test_theorem_3_22_and_table_3():
         assert len(set(got["grashof"][chosen])) == 2
 
 
-# -- where the words of the theorems need CB of either orientation --------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("lengths", "words", "count"),
     [
@@ -280,9 +272,6 @@ def test_limits_and_orientations_are_those_of_the_loop():
     for of, forth in zip(found, ahead, strict=True):
         size = np.where(forth, abs(of["psi"]), 0.0)
         assert ((size <= inner + 1e-9) | (size >= outer - 1e-9) | ~forth).all()
-
-
-# -- branching, escape, Grashof, status -----------------------------------------------------------------------
 
 
 def test_branching_is_where_q_is_minus_1_or_psi_is_undetermined():
@@ -351,9 +340,6 @@ def test_equal_lengths_part_the_ranges():
     np.testing.assert_array_equal(got["theta_max_future"], got["theta_escape"])
 
 
-# -- signs and digits ------------------------------------------------------------------------------------------
-
-
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("family", FAMILIES)
 def test_sums_are_right_to_a_rounding_and_their_signs_exact(family):
@@ -400,9 +386,6 @@ def test_angles_and_cosines_keep_every_digit(family):
             escape = abs(mp.log(mp.mpf(float(one[2])) / mp.mpf(float(one[0]))))
             assert abs(exact["theta_escape"] - escape) <= mp.mpf(10) ** -40 * (1 + escape)
     assert seen > 200
-
-
-# -- tolerance and bad input -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

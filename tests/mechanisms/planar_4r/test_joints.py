@@ -123,9 +123,6 @@ def test_straight_joints_are_pi_and_infinite():
         assert abs(got["v3"]) < 1e-7
 
 
-# -- coefficients -------------------------------------------------------------------------------------------------
-
-
 def exact_equation(lengths, pair):
     """Return the equation by elimination as a function of two half-angle tangents, all rational.
 

@@ -552,9 +552,6 @@ def told(exact, kinds, values, bounds, count):
     return any([int(kinds[k]) for run in choice for k in run] == exact for choice in choices)
 
 
-# -- each list is exact
-# ----------------------------------------------------------------------------------------------
-
 #: Lists that once lacked a pair, by quantity: a maximum and a minimum lie closer than two samples of the graded range.
 CLOSE_PAIRS = {
     "omega2": (
@@ -650,9 +647,6 @@ def test_lists_hold_the_extremes_on_both_sides_of_a_kink_of_the_slope():
     assert differing({name: values[:10] for name, values in designs.items()}, "F32_y") == (0, 0, 20)
 
 
-# -- or has no bound
-# -------------------------------------------------------------------------------------------------
-
 #: Near kites that are change points: beside their folds accelerations of the output link are differences of numbers up
 #: to 1e32 times as great, whose rounding once was 2 to 4 entries of a list.
 NOISY = [
@@ -740,10 +734,6 @@ def test_many_lists_hold_the_exact_extremes_or_have_no_bound(kind, name):
     differ, silent, of = differing(MANY[kind][0](name), name)
     assert silent == 0
     assert differ == 0 or differ < MOST.get((kind, name), MOST[kind]) * of
-
-
-# -- what a list is
-# --------------------------------------------------------------------------------------------------
 
 
 def listed(designs, names, **options):

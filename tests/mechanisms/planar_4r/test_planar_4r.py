@@ -31,9 +31,6 @@ MOMENTS = ["shaking_moment", "shaking_moment_at", "shaking_moment_printed"]
 SHAKING = ["shaking_force_x", "shaking_force_y", *MOMENTS]
 
 
-# -- digits -------------------------------------------------------------------------------------------------------
-
-
 def test_dense_and_eliminated_agree_under_all_loads():
     rng, n = np.random.default_rng(9), 300
     inputs = dict(zip(LENGTHS, random_lengths(rng, n), strict=True)) | masses_and_points(rng, n)
@@ -50,8 +47,6 @@ def test_dense_and_eliminated_agree_under_all_loads():
     for name in names:
         assert np.all(np.abs(eliminated[name] - dense[name])[closes] <= allowed[closes]), name
 
-
-# -- mirror, reversal, loads --------------------------------------------------------------------------------------
 
 EVERY = [
     name

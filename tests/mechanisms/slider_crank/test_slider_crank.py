@@ -30,9 +30,6 @@ def at(names, **given):
         return fl.evaluate("slider_crank", names, allow_invalid=True, **{"theta": 1.0} | given)
 
 
-# -- classes ------------------------------------------------------------------------------------------------------
-
-
 def exact_class(r, l, e):
     e = abs(e)
     if e > r + l:
@@ -80,9 +77,6 @@ def test_what_is_no_length_is_invalid(wrong):
     assert np.isnan(found["slider_position"])
 
 
-# -- dead centres, ranges -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("r", "l", "e"), [(0.05, 0.17, e) for e in (0.02, -0.02, 0.0, 0.1199)] + [(0.5, 0.75 + 2.0**-50, 0.25)]
 )
@@ -119,9 +113,6 @@ def test_ranges_are_where_the_rod_reaches_the_line(r, l, e):
     assert np.isnan(found["time_ratio"]) == (not l > r + abs(e))
 
 
-# -- extremes -----------------------------------------------------------------------------------------------------
-
-
 def swept(names, designs, **options):
     return sweep_both("slider_crank", fl.table(designs), names, threads=1, **options)
 
@@ -139,9 +130,6 @@ def test_beyond_a_toggle_rates_grow_without_bound():
     assert (there["slider_position"][0], abs(there["omega2"][0])) == (2.0, np.inf)
     assert np.isnan([there["slider_position"][1], there["omega2"][1]]).all()
     assert np.isfinite(there["A_x"][1])
-
-
-# -- textbooks, limits, studies -----------------------------------------------------------------------------------
 
 
 def test_links_of_a_round_bar_are_those_of_the_planar_4r_and_the_slider_s_mass_is_asked_for():
