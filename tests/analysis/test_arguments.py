@@ -1,10 +1,6 @@
 """Functions of designs: how a design is given, how arguments are broadcast, and the limits of numbers."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -23,7 +19,7 @@ MASSES = (
 )
 FOCAL = {"a": 3.0, "b": 5.0, "c": 4.0, "d": 6.0, "phi": 0.5}
 #: Each function with a good call.
-CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
+CALLS = {
     "sextic": (fl.planar.sextic, CURVE),
     "curve_length": (fl.planar.curve_length, CURVE | {"branch": 2}),
     "curve_area": (fl.planar.curve_area, CURVE | {"branch": 2}),
@@ -73,7 +69,7 @@ def test_a_design_is_given_by_name_or_as_one(called):
         function(3.0, **options)
 
 
-def flat(result: Any) -> Any:
+def flat(result):
     """Yield every number of a result."""
     if isinstance(result, dict):
         result = list(result.values())

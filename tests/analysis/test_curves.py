@@ -1,10 +1,7 @@
 """The coupler curve: sextic, cognates, straightness and inflections, each against another way to it."""
 
-from __future__ import annotations
-
 from functools import cache, partial
 from itertools import pairwise
-from typing import Any
 
 import mpmath as mp
 import numpy as np
@@ -329,13 +326,13 @@ def test_where_p_lies_on_the_moving_centrode_the_curve_has_a_cusp():
 DIGITS, NODES, TOLERANCE, DYADIC = 40, 32, 1e-17, 2
 
 
-def exact(x: float) -> Any:
+def exact(x):
     """Return a double as it is."""
     return arb(fmpq(*float(x).as_integer_ratio()))
 
 
 @cache
-def rule() -> list[tuple[Any, Any]]:
+def rule():
     """Return nodes and weights of Clenshaw and Curtis on (0, 1): with the ends, so that no kink hides next to them."""
     pairs = []
     for k in range(NODES + 1):
@@ -349,12 +346,12 @@ def rule() -> list[tuple[Any, Any]]:
     return pairs
 
 
-def panel(along: Any, a: Any, b: Any) -> Any:
+def panel(along, a, b):
     """Return the rule on one panel."""
     return (b - a) * sum((weight * along(a + (b - a) * node) for node, weight in rule()), arb(0))
 
 
-def integrated(along: Any, low: Any, high: Any, whole: Any, allowed: float) -> Any:
+def integrated(along, low, high, whole, allowed):
     """Return an integral by halving until nothing changes."""
     middle = (low + high) / 2
     halves = panel(along, low, middle), panel(along, middle, high)
@@ -364,7 +361,7 @@ def integrated(along: Any, low: Any, high: Any, whole: Any, allowed: float) -> A
     return first + integrated(along, middle, high, halves[1], allowed)
 
 
-def reference(design: Any, branch: int, area: bool = False) -> Any:
+def reference(design, branch, area=False):
     """Return length or area of an assembly mode; None where it does not assemble or is not closed.
 
     The circles about A and D meet in B, P turns with AB, and the velocities of the loop are solved for theta2'. With
@@ -382,7 +379,7 @@ def reference(design: Any, branch: int, area: bool = False) -> Any:
         low, high = (outer if toggles[0] else arb(-1)), (inner if toggles[1] else arb(1))
         side = 1 if branch == 2 else -1
 
-        def along(s: Any, sign: int) -> Any:
+        def along(s, sign):
             t = [(high - low).sqrt() * root for root in ((s / 2).sin(), (s / 2).cos())]
             c = low + t[0] * t[0]
             other = (1 + c if toggles[0] else c - outer), (1 - c if toggles[1] else inner - c)
@@ -423,12 +420,12 @@ def reference(design: Any, branch: int, area: bool = False) -> Any:
 PROMISED = 1e-12
 
 
-def miss(value: Any, true: Any) -> float:
+def miss(value, true):
     """Return the distance of a double from a number of 40 digits; its subtraction by pairs of doubles."""
     return abs(float((true - exact(float(value))).mid()))
 
 
-def near_cusp(design: list[float], branch: int, angle: float, gap: float) -> list[float] | None:
+def near_cusp(design, branch, angle, gap):
     """Return the design with P at a gap from the pole of the coupler, which rests at that angle."""
     ends = evaluate(["theta2"], design_of(*design), np.array([-1e-6, 0.0, 1e-6]) + angle, branch)["theta2"]
     if not np.isfinite(ends).all():
@@ -438,7 +435,7 @@ def near_cusp(design: list[float], branch: int, angle: float, gap: float) -> lis
     return [*design, pole.real, pole.imag]
 
 
-def designs(seed: int, count: int) -> Any:
+def designs(seed, count):
     """Yield designs and branches: anywhere, next to change points, next to cusps and at them up to 1e-9."""
     rng = np.random.default_rng(seed)
     while count:
@@ -460,7 +457,7 @@ def designs(seed: int, count: int) -> Any:
             yield list(map(float, one)), branch
 
 
-def check(design: list[float], branch: int) -> None:
+def check(design, branch):
     length, bound = curve_length(design_of(*design), branch=branch, error=True)
     true = reference(design, branch)
     if true is None:
@@ -485,7 +482,7 @@ def test_lengths_and_areas_lie_within_their_bounds(count):
         check(design, branch)
 
 
-def angle_of(a: float, b: float, opposite: Any) -> Any:
+def angle_of(a, b, opposite):
     """Return an angle of a triangle by the law of cosines."""
     return np.arccos((a * a + b * b - opposite * opposite) / (2.0 * a * b))
 

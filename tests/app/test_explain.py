@@ -1,7 +1,5 @@
 """What a study computes and leaves out, as `fastlink explain` tells it."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

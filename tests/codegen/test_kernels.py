@@ -1,7 +1,5 @@
 """The text of kernels: what is computed, what it is called, that it can be read."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import pkgutil
@@ -63,7 +61,7 @@ class Family:
     designs: int = 11
     more: Mapping[str, float] = field(default_factory=dict)
 
-    def request(self) -> Any:
+    def request(self):
         """Return the request, resolved."""
         from fastlink.mechanisms import catalogue
 
@@ -111,7 +109,7 @@ FORCES = ["F32_x", "T41", "shaking_moment"]
 GRADIENTS = ["d_omega4_max_d_a2", "d_theta4_min_d_a1", "d_theta1_at_omega4_max_d_a3"]
 DRIVEN = {"input": "joint_angle_2"}
 TOLERANCES = {"a1_tolerance": 1e-3, "a3_relative_tolerance": 1e-2, "m2_tolerance": 1e-2}
-FAMILIES: dict[str, Family] = {
+FAMILIES = {
     # Lanes are angles: the last vector of angles overlaps the one before.
     "curves": Family("planar_4r", MOTION, 37),
     "curves of forces": Family("planar_4r", FORCES, 41),
@@ -192,7 +190,7 @@ def few(*names):
     return [name if name in names else pytest.param(name, marks=pytest.mark.stress) for name in FAMILIES]
 
 
-def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
+def kernels(request):
     """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
     found = []
     space = request.evaluated
@@ -216,25 +214,25 @@ def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
     return found
 
 
-def run_as_python(kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+def run_as_python(kernel, arguments):
     """Return the results of the text as it is."""
-    namespace: dict[str, Any] = {}
+    namespace = {}
     exec(compile(kernel.text, "<kernel>", "exec"), namespace)
     with np.errstate(all="ignore"):
         return _run(namespace["kernel"], kernel, arguments)
 
 
-def run_compiled(kernel: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
+def run_compiled(kernel, arguments, backend="llvm"):
     """Return the results of machine code."""
     return _run(load_kernel(kernel.source, backend), kernel, arguments)
 
 
-def run_code(kernel: Any, arguments: Sequence[Any], code: bytes) -> list[np.ndarray]:
+def run_code(kernel, arguments, code):
     """Return the results of object code."""
     return _run(MachineCode(kernel.source, code), kernel, arguments)
 
 
-def _run(function: Any, kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+def _run(function, kernel, arguments):
     own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
     function(*own)
     return own[len(own) - len(kernel.program.outputs) :]
@@ -262,22 +260,22 @@ class Loop:
     lines: list[str] = field(repr=False)
 
     @property
-    def packed(self) -> int:
+    def packed(self):
         return sum(bool(PACKED.match(line)) for line in self.lines)
 
     @property
-    def single(self) -> int:
+    def single(self):
         """Operations of one lane, but for those of numbers from outside, whose result goes to all lanes at once.
 
         LLVM makes one such operation of a packed one between numbers that stand in all lanes.
         """
-        spread: dict[int, bool] = {}
+        spread = {}
         for k in reversed(range(len(self.lines))):
             if SINGLE.match(self.lines[k]):
                 spread[k] = self._is_spread(k, spread)
         return sum(not done for done in spread.values())
 
-    def _is_spread(self, k: int, spread: dict[int, bool]) -> bool:
+    def _is_spread(self, k, spread):
         """Tell whether the next line that reads what line k makes copies it to all lanes, or is of that kind itself."""
         made = _registers(self.lines[k])
         made = made[0] if re.match(r"\s+f", self.lines[k]) else made[-1]
@@ -287,15 +285,15 @@ class Loop:
         return False
 
 
-def _registers(line: str) -> list[str]:
+def _registers(line):
     return [x86 or arm for x86, arm in REGISTER.findall(line)]
 
 
-def inner_loops(text: str) -> list[Loop]:
+def inner_loops(text):
     """Return the loops that hold no other one."""
     lines = text.splitlines()
     labels = {found[1]: k for k, line in enumerate(lines) if (found := LABEL.match(line))}
-    ends: dict[int, int] = {}
+    ends = {}
     for k, line in enumerate(lines):
         if (found := JUMP.match(line)) and labels.get(found[1], k) < k:
             ends[labels[found[1]]] = k
@@ -307,14 +305,14 @@ def inner_loops(text: str) -> list[Loop]:
     return [Loop(lines[a : b + 1]) for a, b in sorted(inner)]
 
 
-def called(text: str) -> set[str]:
+def called(text):
     """Return the functions that are called, or gone on to, and are not part of the text."""
     lines = text.splitlines()
     own = {found[1] for line in lines if (found := LABEL.match(line))}
     return {found[1] for line in lines if (found := CALL.match(line))} - own
 
 
-def fused(text: str) -> list[str]:
+def fused(text):
     """Return the lines that fuse a product with a sum."""
     return [line for line in text.splitlines() if FUSED.match(line)]
 
@@ -942,7 +940,7 @@ print(len(kernels))
 """
 
 
-def test_kernels_are_loaded_wherever_great_arrays_stand() -> None:
+def test_kernels_are_loaded_wherever_great_arrays_stand():
     # parts of one more than 2 GB apart end the process
     done = subprocess.run([sys.executable, "-c", AMONG_ARRAYS], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-300:]

@@ -256,7 +256,7 @@ def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, wo
     assert min(client.tasks.values()) >= 3
 
 
-def test_what_is_no_client_is_refused(workers):
+def test_what_is_no_client_is_refused_and_threads_are_those_of_the_workers(workers):
     with Client(workers.scheduler.address) as closed:
         pass
     with refused("client", "make it anew"):
@@ -264,18 +264,14 @@ def test_what_is_no_client_is_refused(workers):
     for wrong in (1, "tcp://127.0.0.1:8786", Client):
         with refused("client", "distributed.Client"):
             swept(client=wrong)
-
-
-def test_threads_are_those_of_the_workers(workers):
     with refused("threads", "leave it out"):
         swept(client=workers, threads=2)
     assert swept(client=workers).attrs["threads"] == 2
 
 
-@pytest.mark.parametrize(("name", "value"), [("environment", lambda: b"other")], ids=["code"])
-def test_a_worker_with_another_version_is_refused_beforehand(workers, tmp_path, name, value):
+def test_a_worker_with_another_version_is_refused_beforehand(workers, tmp_path):
     first, _ = workers.nthreads()
-    workers.run(_change, "fastlink.engine.cluster", name, value, workers=[first])
+    workers.run(_change, "fastlink.engine.cluster", "environment", lambda: b"other", workers=[first])
     with refused(f"{first}", "install the version"):
         swept(client=workers, to=tmp_path / "maps.h5")
     assert list(tmp_path.iterdir()) == []

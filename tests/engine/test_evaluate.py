@@ -266,12 +266,7 @@ def test_the_file_has_the_same_labels(tmp_path, both):
         assert "assembly mode" in contents(one)
 
 
-def test_what_does_not_depend_on_the_assembly_mode_has_none():
-    found = fl.sweep("planar_4r", SPACE, ["grashof_class"], branch=2)
-    assert "branch" not in found.coords
-
-
-def test_functions_of_maps_take_one_assembly_mode():
+def test_functions_of_maps_take_one_assembly_mode_and_what_has_none_has_no_label():
     bars = fl.round_bar(density=7750.0, radius=0.01)
     names = ["T41_fluctuation"]
     one = fl.sweep("planar_4r", SPACE, names, links=bars, branch=1)
@@ -284,3 +279,5 @@ def test_functions_of_maps_take_one_assembly_mode():
     one = fl.sweep("focal", chebyshev, ["T_x", "T_y"], branch=1, **options)
     several = sweep_both("focal", chebyshev, ["T_x", "T_y"], **options)
     xr.testing.assert_equal(fl.focal.T_deviation(one), fl.focal.T_deviation(several).sel(branch=1))
+    found = fl.sweep("planar_4r", SPACE, ["grashof_class"], branch=2)
+    assert "branch" not in found.coords

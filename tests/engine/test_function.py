@@ -65,11 +65,16 @@ def test_one_design_has_the_bits_of_many(request_name):
         np.testing.assert_array_equal(function(LENGTHS[:, k]), together[:, k])
 
 
-def test_more_designs_than_a_block_are_computed():
+def test_any_number_of_designs_on_any_threads_has_the_bits_of_one_call():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     many = np.tile(LENGTHS, 17)
     np.testing.assert_array_equal(function(many), np.tile(function(LENGTHS), 17))
     assert function(np.empty((2, 0))).shape == (1, 0)
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
+    expected = function(LENGTHS)
+    with ThreadPoolExecutor(8) as pool:
+        for k, outputs in enumerate(pool.map(lambda k: function(LENGTHS[:, k % 150]), range(1200))):
+            np.testing.assert_array_equal(outputs, expected[:, k % 150])
 
 
 def test_impossible_values_give_nan_and_change_nothing_else():
@@ -92,14 +97,6 @@ def test_impossible_values_give_nan_and_change_nothing_else():
 def test_backends_have_the_same_bits(backend):
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4"], theta1=40, backend=backend, **FIXED)
     np.testing.assert_array_equal(function(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4)
-
-
-def test_threads_share_nothing():
-    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
-    expected = function(LENGTHS)
-    with ThreadPoolExecutor(8) as pool:
-        for k, outputs in enumerate(pool.map(lambda k: function(LENGTHS[:, k % 150]), range(1200))):
-            np.testing.assert_array_equal(outputs, expected[:, k % 150])
 
 
 def test_a_pickled_function_is_the_same():
@@ -130,19 +127,15 @@ def test_wrong_requests_are_refused(inputs, outputs, options, key, remedy):
         fl.function("planar_4r", inputs, outputs, **options)
 
 
-def test_a_choice_is_to_be_made():
-    with refused("completion", "one of 1"):
-        fl.function("focal", ["b"], ["T_x"], a=1.0, c=1.1, d=1.4, rho=0.5)
-
-
-def test_an_argument_of_another_shape_is_refused():
+def test_wrong_arguments_and_choices_that_are_open_are_refused():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     for wrong in (1.0, [1.0], np.ones((3, 2))):
         with refused("x", "2 rows: a2, a3"):
             function(wrong)
-
-
-def test_what_is_wrong_with_inputs_and_outputs_is_told_together():
+    with refused("x has the shape", "its first axis has 2 rows: a2, a3"):
+        made().gradient([1.2, 0.8, 1.0])
+    with refused("completion", "one of 1"):
+        fl.function("focal", ["b"], ["T_x"], a=1.0, c=1.1, d=1.4, rho=0.5)
     with pytest.raises(fl.InputError) as caught:
         fl.function("planar_4r", ["a9"], ["omega9_max"], a1=0.4, alpha9=1.0, solver="x")
     where = sorted(str(one.where) for one in caught.value.problems)
@@ -185,13 +178,10 @@ def test_it_has_the_bits_of_a_sweep():
     assert_array_equal(pickle.loads(pickle.dumps(made())).gradient(x), found)
 
 
-def test_quantities_have_the_axes_of_the_function():
+def test_axes_are_those_of_the_function_and_what_does_not_depend_on_an_input_has_the_derivative_zero():
     curves = made(["omega4", "B_x"], theta1=[0.1, 0.2, 0.3], branch=[1, 2])
     assert curves.gradient([1.2, 0.8]).shape == (2, 2, 2, 3)
     assert curves.gradient([[1.2] * 5, [0.8] * 5]).shape == (2, 2, 5, 2, 3)
-
-
-def test_what_does_not_depend_on_an_input_has_the_derivative_zero():
     both = made(["transmission_angle_min", "theta1_at_B_x_max"], ["a2", "a3", "P_u"])
     found = both.gradient([1.2, 0.8, 0.3])
     assert (found[:, :2] != 0.0).all()
@@ -217,11 +207,6 @@ def test_it_has_none_where_there_is_no_value_or_a_mean_is_taken_between_limits_t
 def test_what_has_no_derivative_is_refused(name):
     with refused("quantities[1]", "leave it out"):
         made(["omega4_max", name]).gradient([1.2, 0.8])
-
-
-def test_a_wrong_shape_is_refused():
-    with refused("x has the shape", "its first axis has 2 rows: a2, a3"):
-        made().gradient([1.2, 0.8, 1.0])
 
 
 # == Functions that numba's compiled code calls: the same bits, nothing compiled twice, nothing shared =======

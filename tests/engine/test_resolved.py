@@ -1,16 +1,12 @@
 """Resolved requests: which are kept, what they need, and how they travel."""
 
-from __future__ import annotations
-
 import multiprocessing
 import operator
 import pickle
 import tracemalloc
-from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 import cloudpickle
 import numpy as np
@@ -37,15 +33,15 @@ from fastlink.mechanisms.planar_4r import planar_4r
 class _ByValue:
     """A function that is pickled as the bytes that cloudpickle makes of it."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function):
         self.data = cloudpickle.dumps(function)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self):
         return cloudpickle.loads, (self.data,)
 
 
 @contextmanager
-def other_process() -> Iterator[Callable[..., Any]]:
+def other_process():
     """Give ``run(function, *args)``, which calls a function in one fresh process."""
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
         yield lambda function, *args: pool.submit(operator.call, _ByValue(function), *args).result()
@@ -146,18 +142,15 @@ def test_designs_links_and_functions_travel(elsewhere, pickler):
     assert elsewhere(look, data) == (repr(BAR), function(np.array([1.2, 0.8])).tobytes(), expected)
 
 
-def test_a_jitted_function_travels_without_its_addresses(elsewhere):
-    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
-    x = np.array([1.2, 0.8])
-    data = cloudpickle.dumps(function.jitted)
-    assert elsewhere(lambda data, x: __import__("pickle").loads(data)(x), data, x) == function(x)
-
-
-def test_every_public_name_travels():
+def test_public_names_and_jitted_functions_travel(elsewhere):
     for name in fl.__all__:
         value = getattr(fl, name)
         again = cloudpickle.loads(cloudpickle.dumps(lambda value=value: value))()
         assert again is value or (again == value and isinstance(value, str)), name
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    x = np.array([1.2, 0.8])
+    data = cloudpickle.dumps(function.jitted)
+    assert elsewhere(lambda data, x: __import__("pickle").loads(data)(x), data, x) == function(x)
 
 
 def test_a_quantity_that_is_declared_otherwise_there_is_refused(elsewhere):
@@ -383,13 +376,30 @@ def wide(**axes):
     return fl.grid(**{**LENGTHS_NEEDS, **{name: np.linspace(0.7, 1.2, n) for name, n in axes.items()}})
 
 
-def test_a_result_that_does_not_fit_names_the_file_before_anything_is_compiled(small_machine, monkeypatch):
+def test_what_does_not_fit_is_refused_with_the_remedy_before_anything_is_compiled(
+    small_machine, monkeypatch, tmp_path
+):
     monkeypatch.setattr(Kernel, "compiled", lambda *_: pytest.fail("compiled"))
     # theta4 in two modes at 360 angles: 5.8 kB a design
     with refused("the result", "write it to a file with to='maps.h5'"):
         sweep_4r(wide(a2=200, a3=200), ["theta4"])
     with refused("the result", "to='maps.h5'"):  # far more than any address: nothing overflows
         sweep_4r(wide(a1=2**15, a2=2**15, a3=2**15, a4=2**10), ["theta4"])
+    many = {"to": tmp_path / "maps.h5", "theta1": np.linspace(0.0, 6.0, 3_000_000)}
+    with refused("a sweep of so many input positions", "ask for fewer"):
+        sweep_4r(wide(), ["theta4"], **many)
+    with refused("a sweep of so many input positions", "ask for fewer"):
+        sweep_4r(wide(a2=2000, a3=2000), ["theta4"], to=tmp_path / "maps.h5", verify=10**5)
+    assert list(tmp_path.iterdir()) == []
+    for sample in (fl.sobol, fl.latin_hypercube):
+        space = sample(2**30, a1=(0.1, 0.4), a2=1.2, a3=0.8, a4=1.0)
+        with refused("an array of 1,073,741,824 values", "read a part of it"):
+            np.asarray(space.columns["a1"])
+        with refused("the result", "to='maps.h5'"):
+            sweep_4r(space, ["swing"])
+    function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
+    with refused("the result", "pass fewer designs at once"):
+        function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
 
 
 def test_what_fits_is_not_refused(small_machine, tmp_path):
@@ -397,30 +407,6 @@ def test_what_fits_is_not_refused(small_machine, tmp_path):
     space = wide(a2=400, a3=400)
     with sweep_4r(space, ["swing"], to=tmp_path / "maps.h5", verify=0) as maps:
         assert maps.swing.shape == (400, 400)
-
-
-def test_positions_and_verified_designs_beyond_memory_are_refused_with_a_file_too(small_machine, tmp_path):
-    many = {"to": tmp_path / "maps.h5", "theta1": np.linspace(0.0, 6.0, 3_000_000)}
-    with refused("a sweep of so many input positions", "ask for fewer"):
-        sweep_4r(wide(), ["theta4"], **many)
-    with refused("a sweep of so many input positions", "ask for fewer"):
-        sweep_4r(wide(a2=2000, a3=2000), ["theta4"], to=tmp_path / "maps.h5", verify=10**5)
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_samples_need_no_memory_until_they_are_looked_at(small_machine):
-    for sample in (fl.sobol, fl.latin_hypercube):
-        space = sample(2**30, a1=(0.1, 0.4), a2=1.2, a3=0.8, a4=1.0)
-        with refused("an array of 1,073,741,824 values", "read a part of it"):
-            np.asarray(space.columns["a1"])
-        with refused("the result", "to='maps.h5'"):
-            sweep_4r(space, ["swing"])
-
-
-def test_a_function_of_too_many_designs_is_refused(small_machine):
-    function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
-    with refused("the result", "pass fewer designs at once"):
-        function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
 
 
 @pytest.mark.parametrize(

@@ -72,11 +72,6 @@ def test_a_solver_that_a_mechanism_lacks_is_refused(mechanism, drives):
         assert "leave solver out" in message
 
 
-def test_another_set_of_facts_is_no_solver():
-    with pytest.raises(fl.InputError, match="solver: 'gravity' is unknown"):
-        sweep_4r(fl.grid(**LENGTHS), ["omega4"], solver="gravity")
-
-
 @pytest.mark.parametrize("solver", ["eliminated", "dense"])
 @pytest.mark.parametrize(
     ("quantities", "depends"),

@@ -1,7 +1,5 @@
 """The door: shapes, labels, statuses, NaN, bits, files, and every bad input with its message."""
 
-from __future__ import annotations
-
 import warnings
 
 import numpy as np
@@ -52,16 +50,10 @@ def test_dimensions_are_the_swept_ones_then_branch_then_theta1():
     assert result.omega4_max.attrs["references"] == "Hayes, Hninn, Irani, eq. (7)"
     assert float(result.radius) == 0.01
     assert result.a2.attrs["long_name"] == "length of the coupler AB"
-
-
-def test_a_single_design_has_no_swept_dimension():
     result = fl.sweep("planar_4r", fl.grid(**TABLE_1), ["B_x", "transmission_angle_max"], theta1=8, branch=2)
     assert result.B_x.dims == ("theta1",)
     assert result.transmission_angle_max.shape == ()
     assert result.status.shape == ()
-
-
-def test_a_map_of_design_facts_touches_no_angle():
     result = sweep_4r(fl.grid(a1=[0.1, 0.4], a2=1.2, a3=0.8, a4=1.0), ["status"])
     assert set(result.dims) == {"a1"}
     assert "theta1_count" not in result.attrs
@@ -124,14 +116,14 @@ def test_what_does_not_assemble_is_nan_and_alters_no_extreme():
     np.testing.assert_allclose(result.shaking_force_rms, rms, rtol=45 * UNIT_ROUNDING)
 
 
-def bits(values: np.ndarray) -> bytes:
+def bits(values):
     """Return the bits of every number; IEEE 754 leaves the sign of a NaN open, and compilers use that."""
     return (
         np.where(np.isnan(values), np.nan, values).tobytes() if values.dtype.kind == "f" else values.tobytes()
     )
 
 
-def assert_same_bits(one: xr.Dataset, two: xr.Dataset):
+def assert_same_bits(one, two):
     for name in one.data_vars:
         if name in two:
             assert bits(one[name].values) == bits(two[name].values), name

@@ -1,7 +1,5 @@
 """Units of a designer's own, by names such as a1_mm: the same bits as in SI at every door, and the same refusals."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from fractions import Fraction
@@ -562,12 +560,18 @@ def test_input_positions_in_degrees():
     assert one.joint_angle_2.item() == exact(100.0)
 
 
-def test_configurations_in_degrees():
+def test_labelled_and_unlabelled_configurations_in_degrees():
     for theta in (40.0, [[40.0], [80]], xr.DataArray([40, 80], dims="k", coords={"k": [1, 2]})):
         got = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=theta)["omega4"]
         expected = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=radians_of(theta))
         assert_array_equal(got, expected["omega4"])
         assert type(got) is type(expected["omega4"])
+    degrees = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=labelled(60.0, "degree"))["omega4"]
+    by_name = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=60.0)["omega4"]
+    both = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=labelled(60.0, "degree"))["omega4"]
+    assert float(degrees) == by_name == float(both)
+    swept = fl.sweep("planar_4r", DESIGN, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
+    assert swept.omega4.item() == by_name
 
 
 def radians_of(theta):
@@ -601,15 +605,6 @@ def test_positions_in_another_unit_are_refused(name):
     ):
         with refused(name, remedy):
             call()
-
-
-def test_labelled_degrees_are_converted_alike():
-    degrees = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=labelled(60.0, "degree"))["omega4"]
-    by_name = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=60.0)["omega4"]
-    both = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=labelled(60.0, "degree"))["omega4"]
-    assert float(degrees) == by_name == float(both)
-    swept = fl.sweep("planar_4r", DESIGN, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
-    assert swept.omega4.item() == by_name
 
 
 def test_functions_and_studies_in_degrees(tmp_path):

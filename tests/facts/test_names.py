@@ -1,7 +1,5 @@
 """The grammar of names: what is spelt is read again, each name has one reading, and one module knows the rules."""
 
-from __future__ import annotations
-
 import ast
 import re
 from dataclasses import replace

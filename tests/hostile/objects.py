@@ -1,15 +1,12 @@
 """Objects that fail where a caller looks at them."""
 
-from __future__ import annotations
-
 import enum
-from typing import Any
 
 
-def _failing(name: str, *methods: str) -> type:
+def _failing(name, *methods):
     """Return a class of which some methods raise."""
 
-    def fail(*_: Any, **__: Any) -> Any:
+    def fail(*_, **__):
         raise RuntimeError(f"no {methods[0]}")
 
     return type(name, (), dict.fromkeys(methods, fail))
@@ -28,12 +25,12 @@ BadPath = _failing("BadPath", "__fspath__")
 class Everything:
     """Has every attribute, and each is itself."""
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name):
         if name.startswith("__"):
             raise AttributeError(name)
         return self
 
-    def __call__(self, *args: Any, **options: Any) -> Any:
+    def __call__(self, *args, **options):
         return self
 
 
@@ -56,16 +53,16 @@ class Code(enum.IntEnum):
     LEFT = 2
 
 
-def circle() -> list[Any]:
+def circle():
     """Return a list that holds itself."""
-    inside: list[Any] = []
+    inside = []
     inside.append(inside)
     return inside
 
 
-def deep() -> Any:
+def deep():
     """Return a list in a list, a thousand times."""
-    inside: Any = []
+    inside = []
     for _ in range(1000):
         inside = [inside]
     return inside

@@ -203,11 +203,17 @@ def test_a_workbook_has_the_numbers_and_says_what_they_are(tmp_path):
     assert left_in(tmp_path) == ["out.xlsx"]
 
 
-def test_a_map_of_too_many_rows_for_excel_is_refused(grid, tmp_path, monkeypatch):
+def test_too_many_rows_and_rows_of_two_kinds_are_refused(grid, tmp_path, monkeypatch):
     monkeypatch.setattr("fastlink.io.convert.MOST_ROWS", 100)
     with refused("to", "write a .csv"):
         fl.convert(grid, tmp_path / "out.xlsx")
     assert left_in(tmp_path) == []
+    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+    maps = sweep_4r(space, ["theta4", "omega4_extrema"], angles=8)
+    with refused("quantities", "choose"):
+        fl.convert(maps, tmp_path / "out.csv")
+    fl.convert(maps, tmp_path / "out.csv", quantities=["theta4"])
+    assert len(pd.read_csv(tmp_path / "out.csv")) == 2 * 2 * 8
 
 
 @pytest.mark.sample(1)
@@ -302,15 +308,12 @@ def test_rounding_is_as_the_attributes_say(grid, tmp_path):
     assert "float32" in fl.open(tmp_path / "f4.nc").fastlink.summary()
 
 
-def test_what_float32_cannot_hold_is_said(tmp_path):
+def test_what_float32_and_axes_do_not_hold_is_said(tmp_path, grid):
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=[25.0, 1e24])
     maps = fl.sweep("planar_4r", space, ["alpha4_max"], branch=1)
     with pytest.warns(fl.InputWarning, match="2 of alpha4_max"):
         path = fl.convert(maps, tmp_path / "f4.h5", dtype="float32")
     assert loaded(path).rounding_overflows == "alpha4_max: 2"
-
-
-def test_an_absent_value_of_an_axis_is_the_nearest_with_a_remark(grid, tmp_path):
     with pytest.warns(fl.InputWarning, match="the nearest, 0.5, is taken"):
         part = loaded(fl.convert(grid, tmp_path / "part.h5", select={"a1": 0.51}))
     assert float(part.a1) == 0.5
@@ -624,15 +627,6 @@ def test_designs_are_read_back_from_a_table(grid, tmp_path):
         again = sweep_4r(space, ["theta4_max"])
     straight = sweep_4r(whole(grid).fastlink.designs, ["theta4_max"])
     assert_array_equal(again.theta4_max.values.reshape(-1), straight.theta4_max.values.reshape(-1))
-
-
-def test_a_table_has_one_kind_of_rows(tmp_path):
-    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
-    maps = sweep_4r(space, ["theta4", "omega4_extrema"], angles=8)
-    with refused("quantities", "choose"):
-        fl.convert(maps, tmp_path / "out.csv")
-    fl.convert(maps, tmp_path / "out.csv", quantities=["theta4"])
-    assert len(pd.read_csv(tmp_path / "out.csv")) == 2 * 2 * 8
 
 
 def test_names_of_designs_come_along(tmp_path):

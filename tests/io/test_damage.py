@@ -1,15 +1,12 @@
 """Bits that change in a map are noticed; whatever changes in what a killed run left, the next one ends right."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import shutil
 import warnings
 import zlib
 from collections import Counter
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -62,7 +59,7 @@ class Files:
         The numbers of the bytes of each region of each file.
     """
 
-    def __init__(self, folder: Path, layout: str, patch: pytest.MonkeyPatch) -> None:
+    def __init__(self, folder, layout, patch):
         self.layout = layout
         with sweep(None, layout=layout) as found:
             self.expected = found.load()
@@ -84,7 +81,7 @@ class Files:
         }
         shutil.rmtree(folder)
 
-    def damaged(self, kind: Kind, rng: Any) -> dict[str, bytes]:
+    def damaged(self, kind, rng):
         """Return the bytes of all files, one of which has one bit changed, or has lost its end."""
         content, place = bytearray(self.contents[kind.file]), rng.choice(self.regions[kind.file][kind.region])
         if kind.region == "end":
@@ -94,7 +91,7 @@ class Files:
         return {**self.contents, kind.file: bytes(content)}
 
 
-def _of_hdf5(path: Path, nbytes: int) -> dict[str, Any]:
+def _of_hdf5(path, nbytes):
     """Return the bytes of the values of a file, and those before their end that are of labels; all bytes to there."""
     of_values = np.zeros(nbytes, bool)
     with h5py.File(path) as file:
@@ -111,7 +108,7 @@ def _of_hdf5(path: Path, nbytes: int) -> dict[str, Any]:
     }
 
 
-def checked(folder: Path, contents: dict[str, bytes]) -> str:
+def checked(folder, contents):
     """Return what a check says of a changed map."""
     (folder / "m.h5").write_bytes(contents["map"])
     try:
@@ -120,7 +117,7 @@ def checked(folder: Path, contents: dict[str, bytes]) -> str:
         return NOTICED
 
 
-def resumed(folder: Path, contents: dict[str, bytes], files: Files) -> str:
+def resumed(folder, contents, files):
     """Return how the run ends that goes on with changed files."""
     path = folder / "m.h5"
     (folder / "m.h5.part").write_bytes(contents["part"])
@@ -408,16 +405,13 @@ def test_what_has_changed_is_told(tmp_path, small_blocks):
     assert "values of theta4 have changed, between number 32 and 63" in str(found)
 
 
-def test_a_file_without_checksums_is_refused(tmp_path):
+@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")
+def test_files_without_checksums_and_files_that_cannot_be_read_are_refused(tmp_path):
+    """HDF5 adds the time and an address, which differ from call to call."""
+    with refused("cannot be read (Input/output error)", "give a map that a sweep has written"):
+        fl.check("/proc/self/mem")
     path = Sample().save(tmp_path / "m.h5")
     with h5py.File(path, "r+") as file:
         del file["checksums"]
     with refused("m.h5", "write it again"):
         fl.check(path)
-
-
-@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")
-def test_a_file_that_cannot_be_read_is_refused_in_the_words_of_the_system():
-    """HDF5 adds the time and an address, which differ from call to call."""
-    with refused("cannot be read (Input/output error)", "give a map that a sweep has written"):
-        fl.check("/proc/self/mem")

@@ -1,7 +1,5 @@
 """Whatever happens to a run, nothing finished is touched, nothing noted is lost, nothing wrong gets the name."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os
@@ -17,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.faults import CODES, FAULTS, Outcome, Trials, library
+from tests.support.faults import CODES, FAULTS, Trials, library
 from tests.support.map_files import Sample, digest, failing_after, left_in, raising
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r
@@ -256,7 +254,7 @@ def trial_sweep(to, **options):
     return sweep(to, verify=0, **options)
 
 
-def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int) -> int:
+def survived(folder, expected, fault, outcome, before):
     """Assert what must hold after a fault; return how many designs are noted."""
     path = folder / "m.h5"
     # HDF5 reports a failed close of what was opened to be read in words of its own; of an interrupt within one of its
@@ -284,7 +282,7 @@ def assert_is(path, expected):
             assert_array_equal(turned, expected[name], err_msg=name)
 
 
-def goes_on(folder: Path, expected, noted: int, **options):
+def goes_on(folder, expected, noted, **options):
     """Assert that the next run ends well, and takes over what was noted."""
     was_there = (folder / "m.h5").exists()
     with trial_sweep(folder / "m.h5", **options) as found:

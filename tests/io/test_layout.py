@@ -289,11 +289,6 @@ def test_a_table_has_its_columns_along_design():
     assert coords.attrs == {"design_kind": "table"}
 
 
-def test_a_further_coordinate_does_not_hide_an_input():
-    with pytest.raises(ValueError, match="'a1' is an input of the design space already"):
-        coordinates(grid(a1=0.4), DESCRIBED, {"a1": ((), np.array(1.0), {})})
-
-
 def test_assemble_refuses_what_does_not_fit():
     coords = coordinates(grid(a1=0.4, a2=[1.0, 2.0]), DESCRIBED, {})
 
@@ -313,13 +308,15 @@ def test_assemble_refuses_what_does_not_fit():
         attempt("x", ("a2",), (2,), "f4")
 
 
-def test_a_variable_knows_its_size_and_checks_itself():
+def test_a_variable_knows_its_size_and_coordinates_do_not_hide_inputs():
     assert Variable("x", ("a", "b"), (3, 5), np.dtype("f4"), {}).nbytes == 60
     assert Variable("x", (), (), np.dtype("f8"), {}).nbytes == 8
     with pytest.raises(ValueError, match=r"x: dimensions \('a',\) but shape \(3, 5\)"):
         Variable("x", ("a",), (3, 5), np.dtype("f8"), {})
     with pytest.raises(TypeError, match="x: dtype bool is neither integer nor floating point"):
         Variable("x", ("a",), (3,), np.dtype(bool), {})
+    with pytest.raises(ValueError, match="'a1' is an input of the design space already"):
+        coordinates(grid(a1=0.4), DESCRIBED, {"a1": ((), np.array(1.0), {})})
 
 
 def test_attributes_are_plain():

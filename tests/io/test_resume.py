@@ -344,12 +344,15 @@ def test_another_request_is_refused_with_what_differs(path, change, differs, not
     assert path.read_bytes() == before
 
 
-def test_long_attributes_are_compared_to_their_last_value(tmp_path):
+def test_more_verified_designs_and_the_last_value_of_a_long_attribute_make_another_request(tmp_path):
     values = np.arange(5000.0)
     swept(tmp_path / "maps.h5", attrs={"weights": values}).close()
     swept(tmp_path / "maps.h5", attrs={"weights": values}).close()
     with refused("other weights"):
         swept(tmp_path / "maps.h5", attrs={"weights": np.where(values == 2500.0, -1.0, values)})
+    swept(tmp_path / "verified.h5", verify=0).close()
+    with refused("with 0 verified designs, not 2"):
+        swept(tmp_path / "verified.h5", verify=64)
 
 
 def test_a_table_that_changed_since_is_another_request(tmp_path):
@@ -375,12 +378,6 @@ def test_a_map_that_was_changed_since_is_not_up_to_date(path, tmp_path):
     swept(tmp_path / "copy.h5").close()  # a copy with its times
     os.utime(path, ns=(0, path.stat().st_mtime_ns // 10**9 * 10**9))
     swept(path).close()  # moved to a file system that knows whole seconds
-
-
-def test_more_verified_designs_than_there_are_is_another_request(tmp_path):
-    swept(tmp_path / "maps.h5", verify=0).close()
-    with refused("with 0 verified designs, not 2"):
-        swept(tmp_path / "maps.h5", verify=64)
 
 
 def test_a_map_by_another_version_is_not_up_to_date(path, monkeypatch):

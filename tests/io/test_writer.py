@@ -427,13 +427,19 @@ def test_the_same_file_comes_out_where_the_system_lacks(tmp_path, monkeypatch, l
     assert left_in(tmp_path) == ["m.h5", "usual.h5"]
 
 
-def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
+def test_free_room_counts_what_a_killed_run_left_and_a_folder_must_be_writable(tmp_path, monkeypatch):
     (tmp_path / "m.h5.part").write_bytes(b"x" * 4_000_000)
     monkeypatch.setattr(partial_file, "free_bytes", lambda path: output_path.SLACK)
     monkeypatch.setattr(output_path, "free_bytes", lambda path: output_path.SLACK)
     assert check_target(tmp_path / "m.h5", 3_900_000, False) == tmp_path / "m.h5"
     with pytest.raises(InputError, match=r"needs 5\.25 MB but 1\.05 MB are free"):
         check_target(tmp_path / "m.h5", 4_200_000, False)
+    # /proc refuses files to everyone, a folder of mode 0o500 to all but the superuser
+    folder = "/proc" if os.geteuid() == 0 else str(tmp_path)
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match=r"^.*m\.h5 cannot be written \(.*\); choose another place$"):
+        check_target(f"{folder}/m.h5", 0, False)
+    tmp_path.chmod(0o700)
 
 
 def in_another_process(folder, queue):
@@ -534,12 +540,3 @@ def test_a_disk_that_fails(tmp_path, monkeypatch, moment, call, number, message)
     with pytest.raises(InputError, match=f"^to: {tmp_path}/m\\.h5{message}"):
         Sample().save(tmp_path / "m.h5", **failing)
     assert left_in(tmp_path) == []
-
-
-def test_a_folder_that_cannot_be_written(tmp_path):
-    # /proc refuses files to everyone, a folder of mode 0o500 to all but the superuser
-    folder = "/proc" if os.geteuid() == 0 else str(tmp_path)
-    tmp_path.chmod(0o500)
-    with pytest.raises(InputError, match=r"^.*m\.h5 cannot be written \(.*\); choose another place$"):
-        check_target(f"{folder}/m.h5", 0, False)
-    tmp_path.chmod(0o700)

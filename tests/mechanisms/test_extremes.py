@@ -5,9 +5,6 @@ tolerance: |value - exact| <= bound is what a bound is. How loose bounds are is 
 they may be: of the planar linkage half are within 10 to 130 errors, an error being a rounding of the value at least.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -25,14 +22,12 @@ from tests.support.extremes import (
 )
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.refusals import refused
-from tests.support.registry import Entry
 from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
 from fastlink.codegen.runtime.results import of_better
 from fastlink.engine.resolve import _plan
-from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.names import derivative_name
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -649,7 +644,7 @@ FOLDING = "1221 2112 1122 2211 1212 2121 1111 2345 5432 4523 1234 6123 1623 1236
 
 
 @contextmanager
-def all_searched(of: Catalogue) -> Iterator[None]:
+def all_searched(of):
     """Let every extreme be searched."""
     graded = of.graded
     assert graded is not None
@@ -660,7 +655,7 @@ def all_searched(of: Catalogue) -> Iterator[None]:
         of.graded = graded
 
 
-def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarray]) -> None:
+def assert_alike(mechanism, input, designs):
     """Assert that known extremes are those that a search finds, with their bounds."""
     of = catalogue(mechanism, input)
     assert of.graded is not None
@@ -680,7 +675,7 @@ def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarra
         assert np.all(bound[there] <= alike * other_bound[there] + np.spacing(abs(other))[there]), name
 
 
-def drawn(entry: Entry, family: str, n: int) -> dict[str, np.ndarray]:
+def drawn(entry, family, n):
     """Return designs of a family, in one completion."""
     designs = designs_of(entry, family, 0, n)
     return {name: values for name, values in designs.items() if name != "completion"}

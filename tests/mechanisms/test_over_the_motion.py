@@ -4,7 +4,6 @@ The crank pin has a place at every crank angle, also where the other links do no
 """
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -19,7 +18,7 @@ LINKS = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2}  # no link turns fully
 ALL = np.linspace(0.0, 2.0 * np.pi, 97)[:-1]
 
 
-def swept(names: list[str], **options: Any) -> Any:
+def swept(names, **options):
     return fl.sweep("planar_4r", fl.grid(**LINKS), names, branch=1, verify=0, **options)
 
 
@@ -39,7 +38,7 @@ SLOPED = 2  # of every sixth quantity from there on the first one changes with t
     ("mechanism", "drive"),
     [(name, drive) for name in NAMES for drive in inputs_of(name) if drive not in ("F_y", "sigma")],
 )
-def test_reductions_run_over_positions_that_assemble(mechanism: str, drive: str) -> None:
+def test_reductions_run_over_positions_that_assemble(mechanism, drive):
     """Of what the driven link alone determines: with F and with the focal crank nothing is."""
     known, rng = catalogue(mechanism, drive), np.random.default_rng(3)
     design = draw(known.inputs, rng, 60)
@@ -67,7 +66,7 @@ def test_reductions_run_over_positions_that_assemble(mechanism: str, drive: str)
         assert float(maps[asked[-1]][k]) in positions[closes[k]]
 
 
-def test_a_mean_over_the_motion_is_an_integral() -> None:
+def test_a_mean_over_the_motion_is_an_integral():
     limit = math.acos((1.0 + 1.44 - 1.69) / 2.4)  # |AD| = a2 + a3
     maps = swept(["A_x_mean", "A_x_rms", "A_x_max", "A_x_min", "A_x_fluctuation"], theta1=20_000)
     # equal steps leave an error of the share of one step of the motion, times the range of cosines
@@ -79,13 +78,13 @@ def test_a_mean_over_the_motion_is_an_integral() -> None:
     assert np.isnan(maps.A_x_fluctuation.item())  # which needs a whole turn
 
 
-def test_what_never_assembles_has_no_mean() -> None:
+def test_what_never_assembles_has_no_mean():
     names = ["A_x_mean", "A_x_rms", "A_x_max", "status"]
     maps = sweep_4r(fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36)
     assert all(np.isnan(maps[name]).all() for name in names[:3])
 
 
-def test_derivatives_of_means_count_the_same_positions() -> None:
+def test_derivatives_of_means_count_the_same_positions():
     names = ["A_x_mean", "d_A_x_mean_d_a1", "A_x_mean_gradient_status"]
     given = swept(names, theta1=ALL)
     # A_x is a1 cos(theta1): the derivative of the mean of samples is that mean over a1, of 1
@@ -96,7 +95,7 @@ def test_derivatives_of_means_count_the_same_positions() -> None:
     assert int(turn.A_x_mean_gradient_status.item()) == 10
 
 
-def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
+def test_the_verification_counts_the_same_positions(tmp_path):
     names = ["A_x_mean", "A_y_rms", "G1_x_max", "v1_dot_min", "A_x_min"]
     space = fl.grid(a1=np.linspace(0.5, 1.5, 8), a2=0.6, a3=0.7, a4=1.2, G1_u=0.3, G1_v=0.1, omega1=2.0)
     maps = sweep_4r(space, names, theta1=60, extrema="sampled", to=tmp_path / "map.h5", verify=8)
@@ -107,7 +106,7 @@ def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("mechanism", [name for name in NAMES if catalogue(name).graded is not None])
-def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
+def test_a_peak_is_the_greatest_magnitude(mechanism, part):
     """With its place, error bound and derivatives: those of the greatest value, or of the least."""
     known, rng = catalogue(mechanism), np.random.default_rng(3)
     numbers = [
@@ -136,7 +135,7 @@ def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
             np.testing.assert_array_equal(slopes[2], np.where(high > -low, slopes[0], -slopes[1]))
 
 
-def test_a_peak_has_an_error_bound_and_is_verified() -> None:
+def test_a_peak_has_an_error_bound_and_is_verified():
     names = ["alpha4_peak", "alpha4_peak_error", "alpha4_max_error", "alpha4_min_error", "theta4_peak"]
     space = fl.grid(a1=0.3, a2=np.linspace(0.6, 1.2, 7), a3=0.8, a4=1.0, omega1=2.0)
     maps = sweep_4r(space, names, verify=7)

@@ -162,7 +162,7 @@ MECHANISMS = """
 """
 
 
-def pairs(lines: str) -> list[tuple[str, str]]:
+def pairs(lines):
     """Return the phrases of a table with what they mean."""
     rows = [line.partition(": ") for line in map(str.strip, lines.splitlines()) if line]
     return [(phrase, name) for name, _, phrases in rows for phrase in phrases.split(" | ")]

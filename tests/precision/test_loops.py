@@ -5,8 +5,6 @@ degenerate set have no value beyond its bound and no finite number where there i
 nothing. And a wrong formula does not escape: a file says that it is wrong.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from dataclasses import dataclass, field, replace
 from functools import lru_cache

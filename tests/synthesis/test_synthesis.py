@@ -1,8 +1,5 @@
 """Linkages for tasks: cases of the literature, random linkages found again, defects, doors."""
 
-from pathlib import Path
-from typing import Any
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -643,7 +640,7 @@ def test_the_kernel_has_the_bits_of_its_text(compiler, timed, slider):
     [{"bounds": {"O_x": (-0.05, 0.05), "O_y": (-0.05, 0.05)}}, {"bounds": {"e": (-0.002, 0.002)}}],
     ids=str,
 )
-def test_a_family_is_searched_within_limits(monkeypatch: pytest.MonkeyPatch, limits: dict[str, Any]) -> None:
+def test_a_family_is_searched_within_limits(monkeypatch, limits):
     monkeypatch.setattr(doors, "CHANGES", 0.4 * 0.5 ** np.arange(8))
     poses = [(0.1, 0.2, 0.1), (0.2, 0.25, 0.3), (0.33, 0.26, 0.2)]
     found = fl.synthesise("slider_crank", motion=poses, top=1, **limits)
@@ -656,7 +653,7 @@ def test_a_family_is_searched_within_limits(monkeypatch: pytest.MonkeyPatch, lim
 @pytest.mark.parametrize(
     "rows", [POSES * [1, 1, 180 / np.pi], dict(zip("xy", POSES.T, strict=False))], ids=str
 )
-def test_angles_that_can_be_no_radians_are_warned_of_once(rows: Any) -> None:
+def test_angles_that_can_be_no_radians_are_warned_of_once(rows):
     if isinstance(rows, dict):
         rows["angle"] = np.degrees(POSES[:, 2])
     with pytest.warns(fl.InputWarning, match="angle_deg") as caught:
@@ -667,14 +664,14 @@ def test_angles_that_can_be_no_radians_are_warned_of_once(rows: Any) -> None:
         fl.synthesise("planar_4r", path=ARC, timing=[30, 45, 60, 75, 90], exact=True)
 
 
-def test_angles_with_a_unit_are_not_warned_of(recwarn: pytest.WarningsRecorder) -> None:
+def test_angles_with_a_unit_are_not_warned_of(recwarn):
     table = {"x": POSES[:, 0], "y": POSES[:, 1], "angle_deg": np.degrees(POSES[:, 2])}
     found = fl.synthesise("planar_4r", motion=table, top=20)
     assert not recwarn.list
     assert found.attrs["dyads"] == 4
 
 
-def test_precision_points_of_a_table_are_pairs_of_it() -> None:
+def test_precision_points_of_a_table_are_pairs_of_it():
     """Those next to Chebyshev's spacing are met; the structural error is the greatest of all pairs."""
     x = np.linspace(1, 2, 61)
     ask = {"turn_deg": (60, 90), "precision_points": 4, "top": 3}
@@ -695,14 +692,14 @@ def test_precision_points_of_a_table_are_pairs_of_it() -> None:
         fl.synthesise("planar_4r", function=np.c_[x, x][:3], **ask)
 
 
-def test_a_study_of_a_task_is_no_sweep(tmp_path: Path) -> None:
+def test_a_study_of_a_task_is_no_sweep(tmp_path):
     study = tmp_path / "task.toml"
     study.write_text('mechanism = "planar_4r"\n[synthesis]\npath = [[0, 0], [1, 1], [2, 1]]\n')
     with pytest.raises(fl.InputError, match=r"no sweep; `fastlink run .*` finds them"):
         fl.explain(study)
 
 
-def test_a_turn_of_a_slider_crank_is_one_range_that_grows() -> None:
+def test_a_turn_of_a_slider_crank_is_one_range_that_grows():
     for turn in ((90, 30), (90, 90), "90"):
         with pytest.raises(fl.InputError, match="turn_deg is"):
             fl.synthesise("slider_crank", function=np.exp, over=(0, 1), turn_deg=turn, travel=0.1)

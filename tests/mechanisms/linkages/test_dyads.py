@@ -1,10 +1,5 @@
 """Every kind of dyad against the loops of its declaration; what is refused, where, and with what remedy."""
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
 import pytest
 
@@ -15,7 +10,7 @@ RRR = {"rrr": ("A", "D"), "lengths": ("a2", "a3")}
 CRANK = {"crank": {"A": ("O", "a1")}}
 FOUR_BAR = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4}
 #: Each kind: its declaration, a design, and how many branches there are.
-KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
+KINDS = {
     "rrp": (
         {
             "ground": O | {"C": ("c", 0.1)},
@@ -141,13 +136,13 @@ KINDS: dict[str, tuple[dict[str, Any], dict[str, float], int]] = {
 EACH = [kind for kind in KINDS if kind != "all of them"]
 
 
-def body(k: int) -> dict[str, Any]:
+def body(k):
     """Return the mass of a link, unlike that of others."""
     return {"mass": 1.0 + 0.3 * k, "inertia": 0.01 * (1 + k), "centre": (0.05 + 0.01 * k, 0.02 - 0.01 * k)}
 
 
 #: Masses and loads of each kind: of every link, in points, and on both.
-LOADED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
+LOADED = {
     "rrp": ({"AB": body(1), "B": 2.0}, {"B": (3.0, -2.0), "AB": 1.5}),
     "rrp on a moving line": (
         {"AB": body(1), "DB": body(2), "AS": body(3), "S": 0.7, "P": 0.2},
@@ -188,7 +183,7 @@ LOADED: dict[str, tuple[dict[str, Any], dict[str, Any]]] = {
 }
 
 
-def loaded(kind: str) -> tuple[str, dict[str, Any], list[str], dict[str, Any]]:
+def loaded(kind):
     """Return the mechanism of a kind with masses, loads and gravity, three designs, its quantities, a model of bars."""
     declared, design, _ = KINDS[kind]
     masses, loads = LOADED[kind]
@@ -208,7 +203,7 @@ def loaded(kind: str) -> tuple[str, dict[str, Any], list[str], dict[str, Any]]:
 
 @pytest.mark.sample(6)
 @pytest.mark.parametrize("kind", [*EACH, pytest.param("all of them", marks=pytest.mark.stress)])
-def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind: str, tmp_path: Any) -> None:
+def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind, tmp_path):
     mechanism, varied, every, of_bars = loaded(kind)
     branch = tuple({1, min(2, KINDS[kind][2]), KINDS[kind][2]})
     maps = fl.sweep(mechanism, varied, every, branch=branch, positions=12, to=tmp_path / "maps.h5", **of_bars)
@@ -222,7 +217,7 @@ def test_motion_and_forces_are_those_of_the_loops_and_of_all_links_at_once(kind:
 
 @pytest.mark.stress
 @pytest.mark.parametrize("kind", KINDS)
-def test_the_equations_of_all_links_by_kernels_are_solved_by_the_dyads(kind: str) -> None:
+def test_the_equations_of_all_links_by_kernels_are_solved_by_the_dyads(kind):
     mechanism, varied, every, of_bars = loaded(kind)
     forces = [name for name in every if any(word in name for word in ("force", "torque", "moment"))]
     branch = tuple({1, min(2, KINDS[kind][2]), KINDS[kind][2]})
@@ -394,7 +389,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_a_declaration_that_is_none_is_refused(case: str) -> None:
+def test_a_declaration_that_is_none_is_refused(case):
     given, what, remedy = REFUSED[case]
     with pytest.raises(fl.InputError) as caught:
         fl.linkage(**{"ground": OD, "crank": {"A": ("O", "a1")}} | given)
@@ -402,7 +397,7 @@ def test_a_declaration_that_is_none_is_refused(case: str) -> None:
     assert remedy in str(caught.value)
 
 
-def test_impossible_lengths_are_invalid_and_far_plates_never_assemble() -> None:
+def test_impossible_lengths_are_invalid_and_far_plates_never_assemble():
     declared, design, _ = KINDS["a plate by its sides"]
     plate = fl.linkage("plate", crank={"A": ("O", "a1")}, **declared)
     columns = fl.table(
@@ -414,7 +409,7 @@ def test_impossible_lengths_are_invalid_and_far_plates_never_assemble() -> None:
     assert np.isnan(found.B_x_max.values.ravel()[0])
 
 
-def test_a_stroke_may_go_backwards_and_angles_in_degrees_are_remarked_on() -> None:
+def test_a_stroke_may_go_backwards_and_angles_in_degrees_are_remarked_on():
     drive = {"A": {"along": ("O", 0.0), "stroke": ("s_1", "s_2")}}
     lift = fl.linkage(ground=O, slider=drive, dyads={"M": {"rrr": ("A", "O"), "lengths": (0.5, 0.5)}})
     there, back = (
@@ -432,7 +427,7 @@ def test_a_stroke_may_go_backwards_and_angles_in_degrees_are_remarked_on() -> No
         fl.linkage(ground=OD, **CRANK, dyads={"B": along | {"along": ("D", "beta")}}, defaults={"beta": 45})
 
 
-def with_one_changed(declared: Any, to: Any) -> Iterator[Any]:
+def with_one_changed(declared, to):
     """Yield declarations of which one part, of any depth, is another."""
     yield to
     if isinstance(declared, dict):
@@ -454,7 +449,7 @@ CHANGED += [
 
 
 @pytest.mark.parametrize(("kind", "to"), CHANGED)
-def test_whatever_part_is_another_it_is_refused_with_a_remedy_or_means_something(kind: str, to: Any) -> None:
+def test_whatever_part_is_another_it_is_refused_with_a_remedy_or_means_something(kind, to):
     masses, loads = LOADED[kind]
     forces = {"masses": masses, "loads": loads, "gravity": (0, "g")}
     declared = ({} if "slider" in KINDS[kind][0] else CRANK) | KINDS[kind][0]
@@ -462,7 +457,7 @@ def test_whatever_part_is_another_it_is_refused_with_a_remedy_or_means_something
     for changed in with_one_changed(declared, to):
         if not isinstance(changed, dict) or not {"ground", "dyads"} < changed.keys():
             continue
-        problems: list[Any] = []
+        problems = []
         try:
             fl.linkage("changed", **changed)
         except fl.InputError as error:

@@ -1,9 +1,5 @@
 """Extremes of declared linkages, which are searched in the pieces of the turn in which all dyads close."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from tests.mechanisms.linkages.declared import (
@@ -66,13 +62,13 @@ DECLARED = {
 }
 
 
-def agree(one: Any, off: Any, other: Any, error: Any) -> Any:
+def agree(one, off, other, error):
     """Tell where each of two values is within its own bound of the exact one, or neither is a number."""
     with np.errstate(invalid="ignore"):
         return (one == other) | (np.isnan(one) & np.isnan(other)) | (abs(one - other) <= off + error)
 
 
-def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) -> None:
+def compare(mechanism, count, seed, names=()):
     """Compare extremes with those of a mechanism that is exact next to change points."""
     declared, speed, designs_of, shared = DECLARED[mechanism]
     shared, designs = {name: shared[name] for name in names or shared}, designs_of(count, seed)
@@ -100,20 +96,18 @@ def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) 
         ("slider_crank", ("slider_position", "theta2", "side_force")),
     ],
 )
-def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(
-    mechanism: str, names: tuple[str, ...]
-) -> None:
+def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(mechanism, names):
     compare(mechanism, 300, 1, names)
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize("mechanism", DECLARED)
 @pytest.mark.parametrize("seed", range(5))
-def test_all_shared_quantities_of_many_designs(mechanism: str, seed: int) -> None:
+def test_all_shared_quantities_of_many_designs(mechanism, seed):
     compare(mechanism, 20_000, seed)
 
 
-def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_worst() -> None:
+def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_worst():
     ends = [f"transmission_angle_{name}_{how}" for name in "BF" for how in ("min", "max")]
     least = "least_transmission_angle_min"
     maps = fl.sweep(SIX_BAR, six_bars(300, 7) | {"omega": 1.0}, [*ends, least], branch=(1, 2, 3, 4), verify=1)
@@ -125,7 +119,7 @@ def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_wo
     assert np.allclose(maps[least], of_dyads, rtol=0.0, atol=8 * 2.0**-52, equal_nan=True)
 
 
-def compare_with_hart(count: int, seed: int) -> None:
+def compare_with_hart(count, seed):
     """Compare Hart's linkage by its joints with the one by hand: positions, and extremes of the rocker.
 
     Where F is in line with P and Q the dyad touches its limit, and goes on by either of its ways to assemble.
@@ -157,19 +151,17 @@ def compare_with_hart(count: int, seed: int) -> None:
         assert same.all(), np.argwhere(~same)[:3]
 
 
-def test_harts_linkage_is_the_one_by_hand() -> None:
+def test_harts_linkage_is_the_one_by_hand():
     compare_with_hart(300, 1)
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize("seed", range(2, 7))
-def test_many_of_harts_linkages(seed: int) -> None:
+def test_many_of_harts_linkages(seed):
     compare_with_hart(20_000, seed)
 
 
-def check_against_samples(
-    count: int, seed: int, names: tuple[str, ...], arc: tuple[float, float] | None
-) -> None:
+def check_against_samples(count, seed, names, arc):
     """Check that no sample is beyond an extreme, and that there are none where nothing closes."""
     designs, (low, high) = six_bars(count, seed), arc or (0.0, 2.0 * np.pi)
     ends = {} if arc is None else {"arc_start": low, "arc_end": high}
@@ -199,19 +191,19 @@ def check_against_samples(
         assert np.isnan(most).sum() <= (~closes.any(axis=-1)).sum()
 
 
-def test_no_sample_of_a_six_bar_is_beyond_its_extremes() -> None:
+def test_no_sample_of_a_six_bar_is_beyond_its_extremes():
     check_against_samples(60, 2, ("F_x", "B_y", "omega_GF"), None)
     check_against_samples(60, 3, ("F_y",), (0.5, 2.5))
 
 
 @pytest.mark.stress
 @pytest.mark.parametrize("seed", range(10, 20))
-def test_no_sample_of_many_six_bars(seed: int) -> None:
+def test_no_sample_of_many_six_bars(seed):
     names = ("F_x", "F_y", "angle_GF", "transmission_angle_F", "omega_GF", "F_speed", "alpha_PF")
     check_against_samples(1000, seed, names, None if seed % 2 else (1.0, 5.0))
 
 
-def last_quantities(mechanism: str) -> list[str]:
+def last_quantities(mechanism):
     """Return places, speeds and rates that have a value where all dyads close, and there alone."""
     known = catalogue(mechanism)
     given = {*known.inputs, *known.tables, known.position.name, "branch"}
@@ -229,7 +221,7 @@ def last_quantities(mechanism: str) -> list[str]:
 
 @pytest.mark.stress
 @pytest.mark.parametrize("kind", EACH)
-def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None:
+def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind):
     declared, design, branches = KINDS[kind]
     drive = {} if "slider" in declared else CRANK
     mechanism, rng = fl.linkage("any", **drive, **declared), np.random.default_rng(len(kind))
@@ -254,7 +246,7 @@ def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None
         assert not (beyond | missed).any(), (name, np.argwhere(beyond | missed)[:5])
 
 
-def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
+def test_ranges_and_what_limits_them_are_verified(tmp_path):
     names = [
         "theta_low",
         "theta_high",
@@ -279,14 +271,14 @@ def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
     assert {*np.unique(maps.theta_low_by)} == {0, 1, 2}
 
 
-def test_kernels_need_no_other_compiler() -> None:
+def test_kernels_need_no_other_compiler():
     # numba, which compiles what the translator refuses, takes half a minute for one
     wanted = ["F_x_max", "d_F_x_max_d_a1", "F_x_max_error", "F_x_extrema", "theta_low", "theta_low_by"]
     for kernel in resolve(SIX_BAR, TURNING | {"omega": 1.0}, wanted, branch=3).kernels:
         assert llvm_text(kernel.source)
 
 
-def test_gradients_of_extremes() -> None:
+def test_gradients_of_extremes():
     number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **_without("a1", "a5"))
     start, step = np.array([0.1, 0.3]), 1e-6
     slope = [(number(start + step * e) - number(start - step * e))[0] / (2 * step) for e in np.eye(2)]
@@ -294,7 +286,7 @@ def test_gradients_of_extremes() -> None:
     assert np.allclose(number.gradient(start)[0], slope, rtol=0, atol=1e-8)
 
 
-def test_derivatives_at_limits_follow_these() -> None:
+def test_derivatives_at_limits_follow_these():
     designs = {
         name: of[200:] for name, of in four_bars(400, 4).items()
     }  # without those next to change points
@@ -311,7 +303,7 @@ def test_derivatives_at_limits_follow_these() -> None:
         assert (abs(a - b) <= 2.0**-26 * (1.0 + abs(a)))[moves].all(), name
 
 
-def test_derivatives_where_the_second_dyad_limits() -> None:
+def test_derivatives_where_the_second_dyad_limits():
     at = TURNING | {"a1": 0.3, "omega": 1.0}
     names = [f"{name}_{how}" for name in ("F_x", "angle_AB") for how in ("max", "min")]
     of = ["a1", "a3", "G_y", "a5"]
@@ -324,5 +316,5 @@ def test_derivatives_where_the_second_dyad_limits() -> None:
             assert abs(float(found[f"d_{name}_d_{by}"]) - slope) < 1e-8 * (1.0 + abs(slope)), (name, by)
 
 
-def _without(*names: str) -> dict[str, float]:
+def _without(*names):
     return {name: value for name, value in TURNING.items() if name not in names}
