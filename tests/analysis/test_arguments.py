@@ -82,7 +82,7 @@ def flat(result):
         yield from np.ravel(result)
 
 
-def test_dataarrays_are_broadcast_by_their_dimensions():
+def test_dataarrays_and_modes_are_broadcast_by_their_dimensions():
     """Equal lengths along other dimensions make a product, not pairs."""
     a1 = xr.DataArray([0.3, 0.4], dims="a1")
     a2 = xr.DataArray([1.1, 1.2], dims="a2")
@@ -94,9 +94,6 @@ def test_dataarrays_are_broadcast_by_their_dimensions():
     one, other = (xr.DataArray([1.0, 1.1], dims="k", coords={"k": k}) for k in ([0, 1], [1, 2]))
     with refused("a4", "that both have"):
         fl.planar.curve_length(CURVE | {"a2": one, "a4": other})
-
-
-def test_modes_are_broadcast_with_designs():
     both = fl.planar.curve_length(CURVE, branch=[1, 2])
     assert both.tolist() == [fl.planar.curve_length(CURVE, branch=k) for k in (1, 2)]
     counts = fl.planar.inflections(CURVE, branch=[1, 2], samples=8)[3]
@@ -150,15 +147,12 @@ def test_points_of_any_size(scale):
     np.testing.assert_array_equal(other.deviation, scale * plain.deviation)
 
 
-def test_no_points_give_no_line():
+def test_no_points_give_no_line_and_a_gap_no_branch():
     assert fl.focal.cubic_points(**FOCAL | {"a": []}, samples=3).shape == (0, 32, 2)
     for x in ([], np.zeros((2, 0))):
         assert np.isnan(fl.focal.straight_line(x, x).direction).all()
         assert np.isnan(fl.planar.straightness(x, x)).all()
-
-
-def test_a_configuration_with_a_gap_has_no_branch():
-    """The branch was 1."""
+    # The branch was 1.
     for cognate in fl.planar.cognates(CURVE):
         for gap in range(3):
             angles = [[1.0, np.nan] if k == gap else 0.5 + k for k in range(3)]
@@ -179,17 +173,14 @@ def test_a_flywheel_within_the_range_of_doubles(swing, speed, C_s):
         assert inertia == (np.inf if exact > greatest else 0.0)
 
 
-def test_a_flywheel_has_one_coefficient_or_one_for_each_value():
-    with refused("C_s", "one for each"):
-        fl.planar.flywheel_inertia({"T41_fluctuation": np.ones(3), "omega1": 2.0}, [0.1, 0.2])
-
-
-def test_counterweights_beyond_doubles_are_refused():
+def test_counterweights_beyond_doubles_and_coefficients_for_other_values_are_refused():
     """They were infinite, with warnings."""
     with refused("force_balance", "usual sizes"):
         fl.planar.force_balance(MASSES | {"m2": 1.7e308, "a1": 10.0}, radius1=1e-3)
     with refused("radius1", "in another unit"):
         fl.planar.force_balance(MASSES, radius1=5e-324)
+    with refused("C_s", "one for each"):
+        fl.planar.flywheel_inertia({"T41_fluctuation": np.ones(3), "omega1": 2.0}, [0.1, 0.2])
 
 
 @pytest.mark.parametrize(

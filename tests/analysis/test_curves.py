@@ -508,7 +508,7 @@ def test_circles_and_arcs_have_closed_forms():
     assert abs(area - np.pi * 0.25) <= bound <= PROMISED * area
 
 
-def test_lengths_of_any_size():
+def test_lengths_of_any_size_of_single_positions_and_of_none():
     design = np.array([0.4, 1.2, 0.8, 1.0, 0.7, 0.5])
     length, bound = curve_length(design_of(*design), branch=2, error=True)
     for exponent in (-75, -30, 30, 75):
@@ -518,15 +518,9 @@ def test_lengths_of_any_size():
     for lengths in ((1e-24, 1.2, 0.8, 1.0), (1.0, 1.2, 0.8, 1e-24), (1.0, 1.2, 1e-24, 1.0)):
         got, bound = curve_length(design_of(*lengths, 0.7, 0.5), branch=2, error=True)
         assert 0.0 < bound <= PROMISED * got, lengths
-
-
-def test_single_positions_and_none():
     length, bound = curve_length(design_of(1.0, 1.0, 1.0, [3.0, 3.1], 0.3, 0.2), error=True)
     assert length[0] == bound[0] == 0.0  # stretched: it cannot move
     assert np.isnan([length[1], bound[1]]).all()
-
-
-def test_the_error_is_given_if_it_is_asked_for():
     design = dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.7, 0.5), strict=True))
     length, bound = curve_length(design, branch=[1, 2], error=True)
     assert length.shape == bound.shape == (2,)

@@ -177,8 +177,5 @@ def test_refusals(maps):
     with refused("theta1_at_F41_max", "before it was converted"):
         place = maps[["theta1_at_F41_max"]].fastlink.degrees()
         fl.planar.force_hypothesis(maps.assign(place.data_vars))
-
-
-def test_options_are_those_of_designs(maps):
     with refused("force_hypothesis: links", "leave it out"):
         fl.planar.force_hypothesis(maps, links=fl.round_bar(density=7750.0, radius=0.01), branch=(1, 2))

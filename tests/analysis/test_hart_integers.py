@@ -51,6 +51,11 @@ def test_small_linkages_come_first_and_larger_limits_add_at_the_end():
     assert more[: len(few)] == few
     largest = [max(map(abs, row)) for row in more]
     assert largest == sorted(largest)
+    for given in (0, 501, "8"):
+        with refused("max_size", "write a whole number from 1 to 500"):
+            fl.hart.integer_designs(given)
+    with refused("movable", "write True or False"):
+        fl.hart.integer_designs(8, movable="no")
 
 
 def test_every_linkage_is_one_of_eqs_7_2_to_7_4_and_is_listed_once_by_scale():
@@ -78,11 +83,3 @@ def test_a_table_of_them_is_swept():
     assert statuses == {"one_segment", "two_segments", "change_point", "rigid"}
     moving = fl.hart.integer_designs(12, movable=True)
     assert int((maps.status != 3).sum()) == moving.sizes["design"]
-
-
-def test_bad_options_are_refused():
-    for given in (0, 501, "8"):
-        with refused("max_size", "write a whole number from 1 to 500"):
-            fl.hart.integer_designs(given)
-    with refused("movable", "write True or False"):
-        fl.hart.integer_designs(8, movable="no")

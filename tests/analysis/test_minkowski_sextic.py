@@ -177,7 +177,7 @@ def test_the_circles_of_eq_14_are_those_of_eqs_10_and_11():
         fl.minkowski.coupler_circles(1.0, 2.0, 4.0, 1.5, 0.5, 0.0, X=1e26, Y=0.0)
 
 
-def test_mirror_and_scale_change_no_bit():
+def test_mirror_and_scale_change_no_bit_and_the_top_terms_are_those_at_infinity():
     designs = random_designs(59, 30)
     c = sextic(*designs)
     signs = np.where(np.arange(7) % 2, -1.0, 1.0)
@@ -185,9 +185,6 @@ def test_mirror_and_scale_change_no_bit():
     powers = 6 - np.add.outer(np.arange(7), np.arange(7))
     for exponent in (-60, 60):
         np.testing.assert_array_equal(sextic(*np.ldexp(designs, exponent)), np.ldexp(c, exponent * powers))
-
-
-def test_the_top_terms_are_those_of_the_threefold_lightlike_points_at_infinity():
     c = sextic(*random_designs(60, 10))
     top = np.array([c[..., i, 6 - i] for i in range(7)])
     np.testing.assert_array_equal(top.T, np.tile([-1.0, 0.0, 3.0, 0.0, -3.0, 0.0, 1.0], (c.shape[0], 1)))

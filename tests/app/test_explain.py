@@ -96,42 +96,39 @@ def test_operations_of_a_design_are_those_that_its_facts_do(name, monkeypatch):
         assert loop.work[kind] == Tally.done[kind], kind
 
 
-def test_a_map_of_designs_touches_no_angle():
+def test_a_map_of_designs_touches_no_angle_and_refined_extremes_tell_samples_and_places():
     found = asked(["grashof_class", "swing"])
     assert found.tables == ()
     assert [loop.per for kernel in found.kernels for loop in kernel.loops] == ["design"]
     assert {"omega4", "shaking_force", "theta4"} < set(found.left_out)
     assert not {"grashof_class", "swing", "status"} & set(found.left_out)
-
-
-def test_loads_and_stores_of_a_configuration():
-    found = asked(["A_x", "A_y"])
-    loops = {loop.per: loop.work for kernel in found.kernels for loop in kernel.loops}
-    # A = a1 (cos, sin): two tables and one length read, two results for each of two modes written
-    assert loops["design and theta1"]["*"] == 2
-    assert loops["design and theta1"]["stores"] == 4
-
-
-def test_a_larger_request_never_does_less():
-    small, large = asked(["omega4_max"], omega1=9.0), asked(["omega4_max", "alpha4_max"], omega1=9.0)
-    (first,), (second,) = ([loop for loop in e.kernels[0].loops if "and" in loop.per] for e in (small, large))
-    assert all(second.work[kind] >= first.work[kind] for kind in first.work)
-    assert second.work["*"] > first.work["*"]
-    assert set(small.kernels[0].facts) < set(large.kernels[0].facts)
-
-
-def test_an_axis_that_scales_is_named():
-    found = asked(["omega4_max"], omega1=[1.0, 2.0, 3.0])
-    assert found.scaling_axis == "omega1 (3 values)"
-    assert "omega1 (3 values): only scales" in str(found)
-
-
-def test_refined_extremes_tell_samples_and_places():
     found = explain_request(
         resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0), ["omega4_max"], branch=(1, 2))
     )
     pers = [loop.per for kernel in found.kernels for loop in kernel.loops]
     assert {"design", "design and sample", "place", "extreme"} <= set(pers)
+    space = fl.grid(a=1.0, b=1.1, g=0.9, h=0.8)
+    found = explain_request(
+        resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600), branch=(1, 2))
+    )
+    assert "for piece in" in found.kernels[-1].source.text
+    assert [loop.per for loop in found.kernels[-1].loops] == ["design", "design and theta"]
+
+
+def test_loads_and_stores_are_counted_and_a_larger_request_never_does_less():
+    found = asked(["A_x", "A_y"])
+    loops = {loop.per: loop.work for kernel in found.kernels for loop in kernel.loops}
+    # A = a1 (cos, sin): two tables and one length read, two results for each of two modes written
+    assert loops["design and theta1"]["*"] == 2
+    assert loops["design and theta1"]["stores"] == 4
+    small, large = asked(["omega4_max"], omega1=9.0), asked(["omega4_max", "alpha4_max"], omega1=9.0)
+    (first,), (second,) = ([loop for loop in e.kernels[0].loops if "and" in loop.per] for e in (small, large))
+    assert all(second.work[kind] >= first.work[kind] for kind in first.work)
+    assert second.work["*"] > first.work["*"]
+    assert set(small.kernels[0].facts) < set(large.kernels[0].facts)
+    found = asked(["omega4_max"], omega1=[1.0, 2.0, 3.0])
+    assert found.scaling_axis == "omega1 (3 values)"
+    assert "omega1 (3 values): only scales" in str(found)
 
 
 def test_a_search_is_told_by_what_is_searched():
@@ -157,15 +154,6 @@ def test_a_search_is_told_by_what_is_searched():
     )
     text = explain_request(loaded).text(kernels=True)
     assert "every extreme of T41; cells split at the zeros of omega4\n" in text
-
-
-def test_curves_in_pieces_are_of_designs_and_positions():
-    space = fl.grid(a=1.0, b=1.1, g=0.9, h=0.8)
-    found = explain_request(
-        resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600), branch=(1, 2))
-    )
-    assert "for piece in" in found.kernels[-1].source.text
-    assert [loop.per for loop in found.kernels[-1].loops] == ["design", "design and theta"]
 
 
 @pytest.fixture
@@ -386,12 +374,11 @@ def maps(path):
         return opened.load()
 
 
-def test_a_path_is_as_good_as_a_map(path, maps):
+def test_a_path_is_as_good_as_a_map_and_so_is_one_that_xarray_has_saved(path, maps, tmp_path):
     with fl.open(path) as opened:
         assert contents(path) == contents(opened)
-
-
-def test_a_bare_dataset_is_told_from_a_map(maps):
+    maps.isel(a1=[0, 1]).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
+    assert "4 of the 6" in fl.open(tmp_path / "part.nc").fastlink.summary()
     with refused("fastlink_map", "keep_attrs"):
         maps.drop_attrs().fastlink.summary()
 
@@ -433,8 +420,3 @@ HOSTILE = {
 def test_whatever_became_of_a_map_is_summarised(maps, change):
     assert change(maps).fastlink.summary()
     assert contents(change(maps)).startswith("title")
-
-
-def test_a_map_that_xarray_has_saved_is_a_map(maps, tmp_path):
-    maps.isel(a1=[0, 1]).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
-    assert "4 of the 6" in fl.open(tmp_path / "part.nc").fastlink.summary()

@@ -414,7 +414,7 @@ def test_a_bound_that_is_no_number_is_told(place, monkeypatch, size):
         cache.contents()
 
 
-def test_the_command_shows_and_clears(place):
+def test_the_command_shows_and_clears_and_says_what_it_could_not_remove(place, monkeypatch):
     command = CliRunner()
     empty = command.invoke(app, ["cache"])
     assert empty.exit_code == 0
@@ -426,9 +426,6 @@ def test_the_command_shows_and_clears(place):
     assert "0 kernels" in command.invoke(app, ["cache", "--clear"]).output
     kept(Compiler())
     assert "1 kernel of 36 B" in command.invoke(app, ["cache"]).output
-
-
-def test_the_command_says_how_much_it_could_not_remove(place, monkeypatch):
     fill(2)
 
     def fail(*_, **__):

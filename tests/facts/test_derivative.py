@@ -188,14 +188,11 @@ def test_what_has_no_derivative_is_told(name, message):
         make_program(PLANAR, [name], given=PLANAR.inputs)
 
 
-def test_a_linear_system_has_no_derivatives():
+def test_linear_systems_and_missing_inputs_are_told():
     with pytest.raises(
         InputError, match="d_T41_d_a1': a linear system determines T41; write solver='eliminated'"
     ):
         make_program(PLANAR, ["d_T41_d_a1"], given=PLANAR.inputs, variants=("dense",))
-
-
-def test_a_missing_input_is_named():
     with pytest.raises(InputError, match="a3 is missing"):
         make_program(PLANAR, ["d_omega4_d_a1"], given=("a1", "a2", "a4", "omega1"))
 

@@ -94,6 +94,23 @@ def test_a_sheet_of_every_construct_is_declared_in_full(made):
     assert [name for name, fact in made.facts.items() if fact.internal] == [
         *("d_s_d_theta", "sum", "exact", "exact_low"),
     ]
+    assert made.facts["reach"].symbol == "r_{max}"
+    assert made.facts["sum"].meaning == "Sum of all lengths, of which the meaning goes on"
+    assert made.facts["reach"].formula.lines == (
+        "sign = HALF * omega",
+        "high, low = two_sum(sum, sign)",
+        "return high + low",
+    )
+    sources = [made.facts[name].source for name in ("sum", "P_y", "exact", "class_")]
+    assert sources == ["Book, eq. (7); numbered.md#eq-7"] * 2 + ["Book, eq. (8)"] * 2
+    assert made.tables["s"].source == "Table 1"
+    slope = made.facts["d_s_d_theta"]
+    assert (slope.units, slope.source, slope.internal) == (
+        "rad-1",
+        "Table 1; docs/numerics.md#derivatives",
+        True,
+    )
+    assert slope.formula.lines == ("return cos(theta)",)
 
 
 def test_braces_stand_for_entries_part_by_part(made):
@@ -108,28 +125,17 @@ def test_braces_stand_for_entries_part_by_part(made):
     assert y.formula.lines == ("return b * s + a",)
 
 
-def test_braces_without_commas_are_symbols(made):
-    assert made.facts["reach"].symbol == "r_{max}"
-
-
-def test_lines_that_are_indented_further_go_on(made):
-    assert made.facts["sum"].meaning == "Sum of all lengths, of which the meaning goes on"
-    assert made.facts["reach"].formula.lines == (
-        "sign = HALF * omega",
-        "high, low = two_sum(sum, sign)",
-        "return high + low",
-    )
-
-
-def test_a_formula_depends_on_what_is_neither_local_nor_a_function(made):
+def test_formulas_are_read_with_what_they_depend_on_their_low_parts_and_constants(made):
     assert made.facts["reach"].depends_on == made.facts["reach"].formula.parameters == ("omega", "sum")
     assert read_facts(made, ["reach"], {"a": 1.0, "b": 2.0, "omega": 4.0})["reach"] == 5.0
-
-
-def test_the_source_is_that_above(made):
-    sources = [made.facts[name].source for name in ("sum", "P_y", "exact", "class_")]
-    assert sources == ["Book, eq. (7); numbered.md#eq-7"] * 2 + ["Book, eq. (8)"] * 2
-    assert made.tables["s"].source == "Table 1"
+    assert made.table_low_parts == {"s_low": "s"}
+    assert made.facts["exact_low"] is made.facts["exact"]
+    assert made.facts["exact"].names == ("exact", "exact_low")
+    assert read_facts(made, ["exact_low"], {"a": 1.0 + 2.0**-52})["exact_low"] == 2.0**-104
+    assert made.facts["reach"].formula.names["HALF"] == 0.5
+    assert made.facts["reach"].formula.names["TWICE_PI"] == made.facts["reach"].formula.names["TWO_PI"]
+    called = {value for value in NAMESPACE.values() if callable(value)}
+    assert all(function.__module__.startswith("fastlink.numerics.") for function in called)
 
 
 def test_labels_further_names_codes_and_rules(made):
@@ -142,28 +148,6 @@ def test_labels_further_names_codes_and_rules(made):
         "mode", "1", "k", "which of both", "any", None, {0: "lower", 1: "upper", -1: "neither"}
     )
     assert made.hiding == {"reach_max"}
-
-
-def test_low_parts_are_values(made):
-    assert made.table_low_parts == {"s_low": "s"}
-    assert made.facts["exact_low"] is made.facts["exact"]
-    assert made.facts["exact"].names == ("exact", "exact_low")
-    assert read_facts(made, ["exact_low"], {"a": 1.0 + 2.0**-52})["exact_low"] == 2.0**-104
-
-
-def test_derivatives_have_the_labels_of_their_quantity(made):
-    slope = made.facts["d_s_d_theta"]
-    assert (slope.units, slope.source, slope.internal) == (
-        "rad-1",
-        "Table 1; docs/numerics.md#derivatives",
-        True,
-    )
-    assert slope.formula.lines == ("return cos(theta)",)
-
-
-def test_constants_are_numbers(made):
-    assert made.facts["reach"].formula.names["HALF"] == 0.5
-    assert made.facts["reach"].formula.names["TWICE_PI"] == made.facts["reach"].formula.names["TWO_PI"]
 
 
 def test_variants_have_inputs_facts_and_systems(made):
@@ -331,14 +315,11 @@ def test_what_is_no_sheet_is_refused(case):
     assert "\n" not in str(error)
 
 
-def test_what_check_finds_is_found_by_its_first_use_too():
+def test_what_check_finds_is_found_by_its_first_use_too_and_unknown_names_are_the_user_s():
     made = add(toy(), f"{BEFORE}{HEAD}    = a if a < b else b\ne [m] x: Something\n    = a +")
     for name in ("c", "e"):
         with pytest.raises(SheetError, match=rf"toy.facts, line \d: formula of {name}, line"):
             made.resolve(f"d_{name}_d_a")
-
-
-def test_a_name_that_users_ask_for_is_their_fault():
     with pytest.raises(InputError, match="'reech' is unknown to toy; did you mean 'reach'"):
         raise toy(SHEET).unknown_error("reech")
 
@@ -388,10 +369,12 @@ def test_a_fact_with_a_low_part_determines_two_values(made_catalogue):
     assert (exact["b"], exact["b_low"]) == (CONTEXT.mpf(a) ** 2, 0)
 
 
-def test_low_parts_have_names_of_their_own(made_catalogue):
+def test_names_are_declared_once_and_missing_ones_told_with_what_needs_them(made_catalogue):
     add(made_catalogue, SQUARE)
     with pytest.raises(CatalogueError, match="b_low is declared twice"):
         declare(made_catalogue, "b_low", "a")
+    with pytest.raises(InputError, match=r"a is missing \(a length \[m\]\); b depends on it"):
+        list(made_catalogue.dependencies(["b"], []))
 
 
 def test_a_fact_has_not_the_name_of_a_variant(made_catalogue):
@@ -405,12 +388,6 @@ def test_a_fact_has_not_the_name_of_a_variant(made_catalogue):
     # but the fact that an input of that name replaces
     declare(made_catalogue, "c", "a")
     add(made_catalogue, "[variant c]\nc [1] c: c")
-
-
-def test_a_missing_input_is_named_with_what_needs_it(made_catalogue):
-    declare(made_catalogue, "b", "a")
-    with pytest.raises(InputError, match=r"a is missing \(a length \[m\]\); b depends on it"):
-        list(made_catalogue.dependencies(["b"], []))
 
 
 def test_inputs_that_determine_each_other(made_catalogue):
@@ -460,11 +437,6 @@ def test_a_function_that_formulas_call_keeps_to_their_grammar(function):
     graph = GraphAsWritten(())
     with pytest.raises(CatalogueError, match=r"formula of .* (has .*grammar|must end in its one return)"):
         graph.read(function, [graph.name("x")])
-
-
-def test_formulas_call_the_projects_own_functions():
-    called = {value for value in NAMESPACE.values() if callable(value)}
-    assert all(function.__module__.startswith("fastlink.numerics.") for function in called)
 
 
 @pytest.mark.parametrize("mechanism", NAMES)

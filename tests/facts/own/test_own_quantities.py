@@ -48,7 +48,7 @@ def test_values_are_those_of_the_formula():
         np.testing.assert_allclose(maps[name], expected[name], rtol=atol, atol=atol)
 
 
-def test_evaluate_and_function_and_sweep_agree():
+def test_it_goes_to_other_processes_as_text_and_every_door_agrees():
     maps = fl.sweep(mine, LENGTHS, ["cost", "cost_max"], theta1=np.array([1.0]), extrema="sampled", branch=1)
     at = fl.evaluate(mine, ["cost"], **LENGTHS, theta1=1.0, branch=1)
     assert at["cost"] == maps.cost.item()
@@ -57,6 +57,12 @@ def test_evaluate_and_function_and_sweep_agree():
     )
     assert greatest([0.4, 0.5]).item() == fl.sweep(mine, LENGTHS, ["cost_max"], branch=1).cost_max.item()
     assert pickle.loads(pickle.dumps(greatest))([0.4, 0.5]) == greatest([0.4, 0.5])
+    again = pickle.loads(pickle.dumps(mine))
+    assert repr(again) == repr(mine)
+    request = resolve(mine, LENGTHS, ["cost_max"], branch=(1, 2))
+    travelled = pickle.loads(pickle.dumps(request))
+    assert travelled.fingerprint == request.fingerprint
+    assert travelled.catalogue is request.catalogue
 
 
 @pytest.mark.sample(1)
@@ -128,7 +134,7 @@ def test_extremes_at_kinks_have_no_derivative():
     assert not (maps.off_right_angle_max_gradient_status == 6).any()
 
 
-def test_labels_tell_what_it_is():
+def test_labels_tell_what_it_is_and_inputs_that_nothing_depends_on_stay_out():
     maps = sweep_both(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS)
     assert maps.cost_max.attrs["long_name"].startswith("Poor transmission, and speed of the output")
     assert maps.cost_max.attrs["symbol"] == "max C"
@@ -137,6 +143,11 @@ def test_labels_tell_what_it_is():
     assert "declared in declared.py" in maps.cost_max.attrs["references"]
     assert any(row.name == "cost" and row.units == "1" for row in fl.quantities(mine))
     assert "cost_max" in str(fl.explain(mine, LENGTHS, ["cost_max"], branch=(1, 2)))
+    maps = sweep_both(mine, LENGTHS, ["omega4_max"])
+    assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
+    assert "weight" in sweep_both(mine, LENGTHS, ["cost_max"]).coords
+    maps = sweep_both(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
+    assert maps.is_poor_max.attrs["extrema"] == "sampled"
 
 
 def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
@@ -166,12 +177,6 @@ def test_the_best_design_is_refined_by_the_extension_of_its_map():
             fl.best(maps, **wanted, mechanism=other)
     with refused("mechanism", "refine=True"):
         fl.best(maps, minimise="cost_max", mechanism=mine)
-
-
-def test_inputs_that_nothing_depends_on_stay_out():
-    maps = sweep_both(mine, LENGTHS, ["omega4_max"])
-    assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
-    assert "weight" in sweep_both(mine, LENGTHS, ["cost_max"]).coords
 
 
 def test_built_in_kernels_stay_as_they_are():
@@ -208,26 +213,12 @@ def test_a_run_of_another_definition_is_refused(tmp_path):
     assert resolve(further, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint == one
 
 
-def test_it_goes_to_other_processes_as_text():
-    again = pickle.loads(pickle.dumps(mine))
-    assert repr(again) == repr(mine)
-    request = resolve(mine, LENGTHS, ["cost_max"], branch=(1, 2))
-    travelled = pickle.loads(pickle.dumps(request))
-    assert travelled.fingerprint == request.fingerprint
-    assert travelled.catalogue is request.catalogue
-
-
 def test_other_inputs_have_what_is_defined_there():
     lengths = {name: value for name, value in LENGTHS.items() if name != "omega1"}
     maps = sweep_both(mine, lengths, ["off_right_angle_max"], input="joint_angle_4")
     assert np.isfinite(maps.off_right_angle_max).any()
     with refused("bearing_load_max", "leave input out"):
         sweep_both(mine, lengths, ["bearing_load_max"], input="joint_angle_4")
-
-
-def test_extremes_of_what_may_jump_are_those_of_samples():
-    maps = sweep_both(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
-    assert maps.is_poor_max.attrs["extrema"] == "sampled"
 
 
 def test_names_of_kernels_are_taken():
