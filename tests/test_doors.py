@@ -155,14 +155,12 @@ def test_a_wrong_call_names_the_parameter_and_what_to_write(call, key, remedy):
     assert any(key in where and remedy in mended for where, mended in problems), caught.value
 
 
-def test_all_that_is_wrong_with_a_call_is_named():
+def test_all_that_is_wrong_with_a_call_is_named_and_errors_inside_are_passed_on():
     with pytest.raises(CallError) as caught:
         fl.plot(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
     assert wheres == {("plot", key) for key in ("maps", "nmae", "branches", "colour")}
 
-
-def test_an_error_inside_a_right_call_is_passed_on():
     @door
     def broken(value):
         return value + "text"
@@ -181,10 +179,11 @@ def test_a_guarded_function_keeps_its_signature_and_travels():
     assert (again.problems, str(again)) == (caught.value.problems, str(caught.value))
 
 
-def test_a_mechanism_or_a_missing_file_is_not_a_study():
+def test_the_command_alone_prints_its_help_and_a_mechanism_is_no_study():
     for function in (fl.accuracy, fl.explain, fl.run):
         with refused("planar_4r", "`fastlink new planar_4r > study.toml` writes one"):
             function("planar_4r")
+    assert "\n  run " in CliRunner().invoke(app, []).output
 
 
 WORD = "w" * 5000
@@ -256,11 +255,14 @@ def test_functions_of_a_mechanism_are_imported_by_their_public_names():
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_misspelt_public_name_is_answered_with_the_nearest():
+def test_misspelt_and_earlier_names_are_answered_with_what_is_there():
     with pytest.raises(AttributeError, match=r"no attribute 'swep'; did you mean 'sweep'\?"):
         fl.swep  # noqa: B018
     with pytest.raises(ImportError, match=r"cannot import 'swep' .*; did you mean 'sweep'\?"):
         from fastlink import swep  # noqa: F401
+    function = fl.function("planar_4r", ["a2"], ["grashof_class"], a1=0.4, a3=0.8, a4=1.0)
+    with pytest.raises(AttributeError, match=r"'outputs'; did you mean 'quantities'\?"):
+        function.outputs  # noqa: B018
 
 
 #: The names of 0.2 that are gone, and what stands in their place.
@@ -291,12 +293,6 @@ def test_a_name_of_an_earlier_version_is_answered_with_what_replaces_it(name):
     with pytest.raises(ImportError, match=remedy):
         exec(f"from fastlink import {name}")
     assert name not in dir(fl)
-
-
-def test_the_outputs_of_a_function_are_its_quantities():
-    function = fl.function("planar_4r", ["a2"], ["grashof_class"], a1=0.4, a3=0.8, a4=1.0)
-    with pytest.raises(AttributeError, match=r"'outputs'; did you mean 'quantities'\?"):
-        function.outputs  # noqa: B018
 
 
 def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
@@ -483,7 +479,3 @@ def test_a_study_of_a_search_needs_no_table_of_designs(tmp_path, monkeypatch):
     (tmp_path / "s.toml").write_text("\n".join(('mechanism = "slider_crank"', *lines, "e = [0.0, 0.1]")))
     with fl.run("s.toml") as found:
         assert found.attrs["searched_designs"] == 64
-
-
-def test_the_command_alone_prints_its_help_in_lines():
-    assert "\n  run " in CliRunner().invoke(app, []).output

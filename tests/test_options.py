@@ -204,15 +204,6 @@ VALUES = [None, b"text", {}, "x\0y", "\ud800", 2**64, -(2**63) - 1, 1j, [], ["x"
 VALUES += [np.zeros((2, 2)), np.longdouble(1), np.float16(1), np.datetime64("2020-01-01")]
 
 
-def test_attributes_that_no_file_holds_are_refused_before_anything_is_computed():
-    for name in NAMES:
-        with refused("attrs", "letters"):
-            sweep(attrs={name: 1})
-    for value in VALUES:
-        with refused("attrs", "write "):
-            sweep(attrs={"a": value})
-
-
 GOOD_ATTRS = {
     "author": "Ü",
     "empty": "",
@@ -230,12 +221,18 @@ GOOD_ATTRS = {
 }
 
 
-def test_other_attributes_are_kept_in_memory_and_in_files(folder):
+def test_attributes_are_kept_in_memory_and_in_files_or_refused_before_anything_is_computed(folder):
     in_memory = sweep(attrs=GOOD_ATTRS)
     with sweep(attrs=GOOD_ATTRS, to="maps.h5") as in_file:
         for name, value in GOOD_ATTRS.items():
             np.testing.assert_array_equal(in_memory.attrs[name], value)
             np.testing.assert_array_equal(in_file.attrs[name], value)
+    for name in NAMES:
+        with refused("attrs", "letters"):
+            sweep(attrs={name: 1})
+    for value in VALUES:
+        with refused("attrs", "write "):
+            sweep(attrs={"a": value})
 
 
 def test_no_attribute_of_a_map_can_be_overwritten(folder):
@@ -288,18 +285,21 @@ class Terse(Wording):
         return None if isinstance(piece, Setting) else super().piece(piece)
 
 
-def test_a_problem_is_one_line_in_python():
+def test_a_problem_is_one_line_that_travels():
     error = InputError("is 0", where=("design", "a2", 3), remedy=REMEDY)
     assert (error.where, error.what, error.remedy) == (("design", "a2", 3), "is 0", REMEDY)
     assert str(error) == (
         "design: a2[3] is 0; write (lo, hi) or numpy.linspace(-4, 4, 401), or solver='dense' too"
     )
-
-
-def test_an_option_that_a_door_lacks_is_left_out():
     assert Terse().line(Problem("none is given", ("branch",), REMEDY)) == (
         "branch: none is given; write (lo, hi) or numpy.linspace(-4, 4, 401)"
     )
+    # Such as a key `self` of a study.
+    assert Problems().attempt(dict, self=1) == {"self": 1}
+    error = InputError.of([Problem("is 0", ("threads",), "write 1"), Problem("is 1", ("verify",))])
+    again = pickle.loads(pickle.dumps(error))
+    assert again.problems == error.problems
+    assert str(again) == str(error)
 
 
 def test_problems_are_noted_with_their_place_and_raised_together():
@@ -313,13 +313,6 @@ def test_problems_are_noted_with_their_place_and_raised_together():
         problems.stop()
     assert [one.where for one in caught.value.problems] == [("quantities", 2), ("threads",)]
     assert len(str(caught.value).splitlines()) == 2
-
-
-def test_an_error_of_another_process_keeps_its_parts():
-    error = InputError.of([Problem("is 0", ("threads",), "write 1"), Problem("is 1", ("verify",))])
-    again = pickle.loads(pickle.dumps(error))
-    assert again.problems == error.problems
-    assert str(again) == str(error)
 
 
 def test_a_sweep_names_all_that_is_wrong_with_it():
@@ -409,8 +402,3 @@ def test_any_value_has_a_short_text_that_is_the_same_each_time(value):
     assert "\n" not in text
     assert "0x" not in text
     assert text == short_repr(value)
-
-
-def test_an_attempt_takes_arguments_of_any_name():
-    """Such as a key `self` of a study."""
-    assert Problems().attempt(dict, self=1) == {"self": 1}

@@ -52,13 +52,15 @@ def test_c_has_the_bits_of_the_engine(case):
         np.testing.assert_array_equal(one, other, err_msg=name)
 
 
-def test_without_a_compiler_the_table_has_a_note(monkeypatch):
+def test_the_page_shows_what_was_measured_and_notes_a_lacking_compiler(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     about = report.machine()
     text = report.text_of([{"case": "positions", "ns": 0.3}], [{"request": "rates", "cold": 0.1}], about)
     assert about["versions"]["gcc"] is None
     assert "| positions |" in text
     assert "No gcc" in text
+    kept = report.record()
+    assert report.parts_of_page()[1] == report.text_of(kept["cases"], kept["answers"], kept["machine"])
 
 
 def difference(ours, theirs):
@@ -123,28 +125,17 @@ def measuring(*times):
     return {"group": lambda: {"a / C": next(values), "b / C": 1.05}}
 
 
-def test_ratios_of_the_record_are_those_of_times():
-    assert set(report.ratios(*RECORD.values())) == {
-        *("a / C", "b / C", "rates, time / C", "rates, set-up / heyoka.py"),
-        *("rates, set-up / fixed work", "rates, set-up from the cache / fixed work"),
-    }
-
-
-def test_what_got_worse_is_named(capsys):
+def test_what_got_worse_is_named_and_what_other_load_disturbed_measured_again(capsys):
     assert report.check(RECORD, measuring(*[1.2] * report.ROUNDS)) == 1
     said = capsys.readouterr().out
     assert "a / C: 1.2, recorded 1, 20 % worse" in said
     assert "b / C" not in said
-
-
-def test_what_other_load_disturbed_is_measured_again(capsys):
     assert report.check(RECORD, measuring(2.0, 1.3, 1.0)) == 0
     assert "nothing is more than 10 % worse" in capsys.readouterr().out
-
-
-def test_what_was_measured_is_what_is_shown():
-    kept = report.record()
-    assert report.parts_of_page()[1] == report.text_of(kept["cases"], kept["answers"], kept["machine"])
+    assert set(report.ratios(*RECORD.values())) == {
+        *("a / C", "b / C", "rates, time / C", "rates, set-up / heyoka.py"),
+        *("rates, set-up / fixed work", "rates, set-up from the cache / fixed work"),
+    }
 
 
 @pytest.mark.stress

@@ -426,6 +426,7 @@ def test_the_command_shows_and_clears_and_says_what_it_could_not_remove(place, m
     assert "0 kernels" in command.invoke(app, ["cache", "--clear"]).output
     kept(Compiler())
     assert "1 kernel of 36 B" in command.invoke(app, ["cache"]).output
+    command.invoke(app, ["cache", "--clear"])
     fill(2)
 
     def fail(*_, **__):

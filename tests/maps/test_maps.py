@@ -56,6 +56,10 @@ def test_what_is_masked_keeps_types_dimensions_and_labels(maps):
     assert masked.theta4.dims == maps.theta4.dims
     assert masked.theta4.attrs == maps.theta4.attrs
     assert masked.status.dtype == maps.status.dtype
+    broken = maps.copy()
+    broken["status"] = broken.status.assign_attrs(flag_values=[0, 1])
+    with refused("status", "flag_values"):
+        broken.fastlink.status_is("rotates_fully")
 
 
 def test_unknown_meanings_and_variables_are_refused(maps):
@@ -73,14 +77,7 @@ def test_unknown_meanings_and_variables_are_refused(maps):
         maps.mean("a1").fastlink.counts()
 
 
-def test_codes_whose_attributes_are_damaged_have_no_meanings(maps):
-    broken = maps.copy()
-    broken["status"] = broken.status.assign_attrs(flag_values=[0, 1])
-    with refused("status", "flag_values"):
-        broken.fastlink.status_is("rotates_fully")
-
-
-def test_infinite_values_become_nan_and_are_counted(maps, path):
+def test_infinite_values_become_nan_and_are_counted_and_a_finite_map_is_drawn_by_xarray(maps, path):
     infinite = np.isinf(maps.omega4_max.values)
     assert infinite.any()
     for result in (maps.fastlink.finite(), fl.open(path).fastlink.finite()):
@@ -91,9 +88,6 @@ def test_infinite_values_become_nan_and_are_counted(maps, path):
     assert "infinite_values" not in maps.omega4_max.attrs
     again = maps.omega4_max.fastlink.finite().fastlink.finite()
     assert again.attrs["infinite_values"] == infinite.sum()
-
-
-def test_a_finite_map_is_drawn_by_xarray(maps):
     pytest.importorskip("matplotlib").use("agg")
     mesh = maps.fastlink.finite().omega4_max.isel(a4=0, branch=0).plot()
     assert np.isfinite(mesh.get_clim()).all()
@@ -121,6 +115,10 @@ def test_units_are_converted_by_name(maps):
     assert maps.fastlink.units["omega4_max"] == "rad s-1"
     assert result.fastlink.units["omega4_max"] == "rpm"
     assert_allclose(maps.omega4_max.fastlink.convert("degree/s"), np.rad2deg(maps.omega4_max), rtol=1e-15)
+    with refused("omega4_mx", "omega4_max"):
+        maps.fastlink.convert(omega4_mx="rpm")
+    with refused("status", ""):
+        maps.fastlink.convert(status="rpm")
 
 
 @pytest.mark.parametrize("units", ["Hz", "m", "", 3, None, "**", "furlongs per", "kg m2 s-"])
@@ -139,13 +137,6 @@ def test_units_of_every_quantity_are_read_by_pint():
     assert {"rad s-1", "N m", "1", "kg m2"} <= units
     for text in units:
         _parsed(text, text)
-
-
-def test_names_without_units_are_refused(maps):
-    with refused("omega4_mx", "omega4_max"):
-        maps.fastlink.convert(omega4_mx="rpm")
-    with refused("status", ""):
-        maps.fastlink.convert(status="rpm")
 
 
 def best_by_sorting(maps, name, n, largest, inside):
@@ -240,13 +231,21 @@ def test_averages_of_codes_are_no_codes(maps):
             call(maps.mean("a1"))
 
 
-def test_stacked_maps(maps):
+def test_stacked_maps_and_maps_without_variables(maps):
     stacked = maps.stack(both=("a1", "theta1"))
     assert_array_equal(stacked.fastlink.finite().theta4, stacked.theta4)
     assert stacked.fastlink.where_status("rotates_fully").theta4.sizes == stacked.theta4.sizes
     with refused("theta1", "unstack"):
         stacked.fastlink.degrees()
     assert maps.stack(both=("a1", "a2")).fastlink.degrees().theta4.attrs["units"] == "degree"
+    empty = maps.fastlink.designs
+    for call in (
+        empty.fastlink.counts,
+        lambda: empty.fastlink.top(1, "omega4_max"),
+        lambda: fl.plot(empty, "omega4_max"),
+    ):
+        with refused("unknown", "there is none"):
+            call()
 
 
 def test_a_map_whose_file_is_gone_is_refused(maps, tmp_path):
@@ -262,17 +261,6 @@ def test_a_map_whose_file_is_gone_is_refused(maps, tmp_path):
         opened.fastlink.degrees,
     ):
         with refused("maps", "give the result of a sweep"):
-            call()
-
-
-def test_a_map_without_variables(maps):
-    empty = maps.fastlink.designs
-    for call in (
-        empty.fastlink.counts,
-        lambda: empty.fastlink.top(1, "omega4_max"),
-        lambda: fl.plot(empty, "omega4_max"),
-    ):
-        with refused("unknown", "there is none"):
             call()
 
 
@@ -389,16 +377,13 @@ def test_one_objective_and_its_conditions(maps_best):
     assert fl.best(maps_best, minimise="omega4_max").sizes["design"] == 10
 
 
-def test_a_condition_may_have_more_dimensions_than_the_objective(maps_best):
+def test_conditions_of_more_dimensions_and_infinite_objectives_count_as_asked(maps_best):
     """A design is a row in each assembly mode where the condition asks for one."""
     of_design = maps_best.assign(size=maps_best.a1 + maps_best.a2)
     found = fl.best(of_design, minimise="size", where={"theta4_max": (None, 0.0)}, top=5)
     wanted = (of_design["size"].where(maps_best.theta4_max <= 0.0)).values.ravel()
     assert_array_equal(found["size"], np.sort(wanted[np.isfinite(wanted)])[:5])
     assert (found.theta4_max <= 0.0).all()
-
-
-def test_infinite_objectives_count_if_asked(maps_best):
     without = fl.best(maps_best, maximise=["omega4_max", "a1"])
     assert np.isfinite(without.omega4_max).all()
     assert "infinite" in without.attrs["selection"]
@@ -409,14 +394,6 @@ def test_what_is_found_is_swept_again_to_the_same_bits(maps_best):
     found = fl.best(maps_best.sel(branch=1), maximise=["transmission_angle_min", "a1"], where="rotates fully")
     again = fl.sweep("planar_4r", found.fastlink.designs, ["omega4_max"], branch=1)
     assert_array_equal(again.omega4_max, found.omega4_max)
-
-
-def test_of_one_design_there_is_no_best():
-    one = sweep_4r({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"])
-    with refused("one alone", "sweep several"):
-        fl.best(one, minimise="swing")
-    with refused("swng", "'swing'"):
-        fl.best(one, minimise="swng")
 
 
 def test_where_nothing_meets_the_conditions_the_nearest_rows_are_the_answer(maps_best):
@@ -471,10 +448,15 @@ def test_questions_without_an_answer_are_refused(maps_best, key, remedy, options
         fl.best(maps_best, **options)
 
 
-def test_all_problems_are_told_together(maps_best):
+def test_of_one_design_there_is_no_best_and_all_problems_are_told_together(maps_best):
     with pytest.raises(fl.InputError) as caught:
         fl.best(maps_best, minimise=["omega_max", "a77"], where={"a9": (0, 1), "a1": (2, 1)}, top=0)
     assert len(str(caught.value).splitlines()) == 5
+    one = sweep_4r({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"])
+    with refused("one alone", "sweep several"):
+        fl.best(one, minimise="swing")
+    with refused("swng", "'swing'"):
+        fl.best(one, minimise="swng")
 
 
 @pytest.mark.parametrize("most", [1, 2, 7, 60])

@@ -216,9 +216,6 @@ def test_a_gap_that_counts_as_zero_is_in_the_bound():
     for name in names:
         assert far[f"{name}_error"] < 1e-12 * abs(far[name])
         assert far[f"{name}_trust"] == 0.0
-
-
-def test_of_extremes_at_a_gap_that_counts_as_zero_nothing_is_known():
     names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_max_error"]
     lengths = {"a1": 0.6, "a2": 0.3, "a3": 0.4, "a4": 0.1}  # 0.6 + 0.1 is not 0.3 + 0.4 in binary
     found = sweep_4r(fl.grid(**lengths, omega1=1.0), names)

@@ -89,8 +89,15 @@ def test_extremes_of_all_quantities_are_within_their_bounds(entry):
 SINGULAR = ((1.0, 0.6, 0.7, 1.2), (2.0, 3.0, 2.5, 2.5), (4.0, 9.0, 12.0, 7.0), (1.0, 2.0, 1.0, 2.0))
 
 
-def test_extremes_at_toggles_and_change_points_are_within_their_bounds():
+def test_extremes_at_toggles_and_change_points_are_within_their_bounds_or_infinite():
     held(PLANAR, by_name(*SINGULAR, omega1=3.0), ("omega4", "theta4"))
+    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error"]
+    never = swept_4r(names, (5.0, 1.0, 1.0, 1.0))
+    assert all(np.isnan(never[name]).all() for name in names)
+    toggles = swept_4r(names, SINGULAR[0])
+    assert (np.isinf(toggles["omega4_max"]) == np.isinf(toggles["omega4_max_error"])).all()
+    listed = np.isfinite(toggles["omega4_extrema"])
+    assert (listed == np.isfinite(toggles["omega4_extrema_error"])).all()
 
 
 @pytest.mark.parametrize("n", [12, pytest.param(300, marks=pytest.mark.stress)])
@@ -101,16 +108,6 @@ def test_extremes_of_links_that_fold_are_within_their_bounds_or_have_none(n):
     extremes = list(bounded_extremes(PLANAR, designs, ("omega4", "transmission_angle")))
     assert [one for one in extremes if one.bound != np.inf and not one.holds] == []
     assert sum(one.bound < np.inf for one in extremes) > n
-
-
-def test_no_extreme_has_no_error_and_what_is_infinite_an_infinite_one():
-    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error"]
-    never = swept_4r(names, (5.0, 1.0, 1.0, 1.0))
-    assert all(np.isnan(never[name]).all() for name in names)
-    toggles = swept_4r(names, SINGULAR[0])
-    assert (np.isinf(toggles["omega4_max"]) == np.isinf(toggles["omega4_max_error"])).all()
-    listed = np.isfinite(toggles["omega4_extrema"])
-    assert (listed == np.isfinite(toggles["omega4_extrema_error"])).all()
 
 
 def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
@@ -167,28 +164,30 @@ def test_the_bound_of_the_best_counts_that_another_one_may_be_it(best, bound, va
     assert of_better(best, bound, value, other) == of_best
 
 
-def test_a_kernel_computes_errors_and_keeps_places_on_request_alone():
-    names = ("omega4_max", "alpha4_max", "omega4_rms")
-    plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
-    texts = [kernel_of(program).text for program in plan.programs]
-    assert not any("error" in text or "winners" in text for text in texts)
-
-
-def test_labels_tell_the_error_of_the_greatest_value_from_the_greatest_error():
+def test_labels_and_axes_of_errors_are_their_own_and_a_kernel_computes_them_on_request_alone():
     found = swept_4r(["omega4_max_error", "omega4_error_max", "omega4_extrema_error"])
     assert found["omega4_max_error"].attrs["symbol"] == "err max omega_4"
     assert found["omega4_error_max"].attrs["symbol"] == "max err omega_4"
     assert {found[name].attrs["units"] for name in found.data_vars if name != "status"} == {"rad s-1"}
     assert found["omega4_extrema_error"].dims == ("branch", "extremum")
-
-
-def test_an_axis_that_would_scale_results_leaves_bounds_right():
-    """Left out as a product, its rounding would be missing."""
+    # Left out as a product, its rounding would be missing.
     one = swept_4r(["omega4_max_error"])
     axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
     found = sweep_4r(axis, ["omega4_max", "omega4_max_error"])
     assert "scaling_axis" not in found.attrs
     np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
+    names = ("omega4_max", "alpha4_max", "omega4_rms")
+    plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
+    texts = [kernel_of(program).text for program in plan.programs]
+    assert not any("error" in text or "winners" in text for text in texts)
+    with refused("quantity 'omega4_max_error'", "write 'omega4_error'"):
+        fl.evaluate(
+            "planar_4r",
+            ["omega4_max_error"],
+            theta1=1.0,
+            omega1=1.0,
+            **dict(zip(LENGTHS, CRANK, strict=True)),
+        )
 
 
 def test_verification_holds_errors_of_extremes_against_their_bounds():
@@ -230,17 +229,6 @@ def test_verification_holds_errors_of_extremes_against_their_bounds():
 def test_what_has_no_bound_or_derivative_is_refused_with_the_reason(name, options, remedy):
     with refused("quantity ", remedy):
         swept_4r([name], **options)
-
-
-def test_a_position_has_no_extremes():
-    with refused("quantity 'omega4_max_error'", "write 'omega4_error'"):
-        fl.evaluate(
-            "planar_4r",
-            ["omega4_max_error"],
-            theta1=1.0,
-            omega1=1.0,
-            **dict(zip(LENGTHS, CRANK, strict=True)),
-        )
 
 
 def parts_of(name, position, by):
@@ -505,7 +493,7 @@ def test_finer_samples_show_no_more_extremes_of_anything(entry, monkeypatch):
         assert hidden <= MOST_HIDDEN.get(kind, 0.0) * of, kind
 
 
-def test_extremes_next_to_a_toggle_count_where_the_slope_there_is_no_rounding():
+def test_counts_beside_toggles_and_folds_are_of_extremes_not_of_rounding():
     """Next to a straight line T_x has an extreme within 2^-24 of the toggle, where its slope is 1e-6 of what it is."""
     (entry,) = (entry for entry in SEARCHED if str(entry) == "focal sigma")
     designs = entry.drawn("line 1e-8", 31, 3000)
@@ -513,10 +501,8 @@ def test_extremes_next_to_a_toggle_count_where_the_slope_there_is_no_rounding():
         name: designs[name][[1086, 1737, 2057, 2989]] for name in entry.catalogue.inputs if name in designs
     }
     assert (counted(entry, some, ["T_x"]) == 2).all()
-
-
-def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
-    """Forces of a kite stay finite where it folds; their slope is rounding errors over the distance from there."""
+    # Forces of a kite stay finite where it folds; their slope is rounding errors over the distance from
+    # there.
     a, b = (
         np.array([1.5299061143042894, 0.4009099102008036]),
         np.array([1.9559321078037128, 1.910416264244732]),

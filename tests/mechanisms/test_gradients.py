@@ -103,20 +103,21 @@ def test_the_status_tells_what_derivatives_are_worth(name, lengths, codes):
     assert len(status.attrs["flag_meanings"].split()) == status.attrs["flag_values"].size
 
 
-def test_what_stands_still_has_constant_rates_and_kinks_at_zero():
+def test_what_stands_still_folds_or_is_verified_has_its_own_derivatives():
     speed = swept_4r(["P_speed_max_gradient_status", "d_P_speed_max_d_a1"], point={"P_u": 0.0, "P_v": 0.0})
     assert (speed["P_speed_max_gradient_status"] == CONSTANT).all()
     assert (speed["d_P_speed_max_d_a1"] == 1.0).all()
     still = swept_4r(["omega4_rms_gradient_status", "d_omega4_rms_d_a1"], omega1=0.0)
     assert (still["omega4_rms_gradient_status"] == KINK).all()
     assert np.isnan(still["d_omega4_rms_d_a1"]).all()
-
-
-def test_a_change_point_has_no_derivative_at_its_fold():
     found = swept_4r(
         ["transmission_angle_min", "transmission_angle_min_gradient_status"], (4.0, 9.0, 12.0, 7.0)
     )
     assert (found["transmission_angle_min_gradient_status"] == AT_CHANGE_POINT).all()
+    assert (
+        swept_4r(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"]
+        == "d_omega4_max_d_a2"
+    )
 
 
 def test_means_and_samples_change_as_differences_of_theirs():
@@ -160,13 +161,6 @@ def test_labels_units_and_axes_that_scale():
     for name, power in zip(names, (1, 0, 0), strict=True):
         np.testing.assert_array_equal(axis[name][0], one[name])
         np.testing.assert_array_equal(axis[name][1], 2**power * one[name])
-
-
-def test_verification_leaves_derivatives_of_extremes_out():
-    assert (
-        swept_4r(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"]
-        == "d_omega4_max_d_a2"
-    )
 
 
 def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone():

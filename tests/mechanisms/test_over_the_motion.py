@@ -76,9 +76,6 @@ def test_a_mean_over_the_motion_is_an_integral():
     assert abs(float(maps.A_x_rms.item()) - math.sqrt(square)) < 2.0 * step
     assert float(maps.A_x_min.item()) <= float(maps.A_x_mean.item()) <= float(maps.A_x_max.item())
     assert np.isnan(maps.A_x_fluctuation.item())  # which needs a whole turn
-
-
-def test_what_never_assembles_has_no_mean():
     names = ["A_x_mean", "A_x_rms", "A_x_max", "status"]
     maps = sweep_4r(fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36)
     assert all(np.isnan(maps[name]).all() for name in names[:3])

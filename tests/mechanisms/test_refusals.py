@@ -95,15 +95,9 @@ def test_every_mechanism_is_listed_within_a_screen():
     assert [one.inputs for one in listed] == [inputs_of(name) for name in NAMES]
     assert [one.quantities for one in listed] == [len(catalogue(name).public) for name in NAMES]
     assert max(map(len, str(listed).splitlines())) <= 132
-
-
-def test_a_notebook_shows_a_table():
     text = fl.mechanisms()._repr_html_()
     assert text.count("<tr>") == len(NAMES) + 1
     assert "Burmester&#x27;s" in text
-
-
-def test_the_version_is_that_of_the_maps():
     design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
     source = sweep_4r(design, ["grashof_class"]).attrs["source"]
     assert source.startswith(f"fastlink {fl.__version__},")

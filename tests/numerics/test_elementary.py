@@ -69,14 +69,6 @@ def test_atan2_keeps_nan(y, x):
     assert np.isnan(both_readings(np.array([y]), np.array([x]))[0])
 
 
-def test_two_product_is_exact():
-    rng = np.random.default_rng(3)
-    for a, b in rng.normal(size=(300, 2)) * np.exp(rng.uniform(-100, 100, (300, 1))):
-        p, e = compensated.two_product(float(a), float(b))
-        with mp.workdps(60):
-            assert mp.mpf(p) + mp.mpf(e) == mp.mpf(float(a)) * mp.mpf(float(b))
-
-
 def test_gap_product_quotient_has_thirty_digits():
     rng = np.random.default_rng(4)
     for _ in range(300):
@@ -89,15 +81,20 @@ def test_gap_product_quotient_has_thirty_digits():
             assert abs(mp.mpf(high) + low - exact) <= 16 * mp.mpf(UNIT_ROUNDING) ** 2 * abs(exact)
 
 
-def test_power_of_two_below():
-    for x in [1.0, 1.5, 1.9999999999999998, 2.0, 3e-150, 7e150, 0.4]:
-        assert compensated.power_of_two_below(x) == 2.0 ** np.floor(np.log2(x))
-
-
-def test_square_root_below_zero_is_nan_in_every_reading():
+def test_roots_logarithms_and_powers_of_two_are_read_alike():
     assert mp.isnan(elementary.sqrt(mp.mpf(-1)))
     with np.errstate(invalid="ignore"):
         assert np.isnan(elementary.sqrt(-1.0))
+    for function, edge in ((logarithm.log, 0), (logarithm.log1p, -1)):
+        assert function(mp.mpf(edge)) == -mp.inf
+        assert mp.isnan(function(mp.mpf(edge) - 1))
+    for x in [1.0, 1.5, 1.9999999999999998, 2.0, 3e-150, 7e150, 0.4]:
+        assert compensated.power_of_two_below(x) == 2.0 ** np.floor(np.log2(x))
+    rng = np.random.default_rng(3)
+    for a, b in rng.normal(size=(300, 2)) * np.exp(rng.uniform(-100, 100, (300, 1))):
+        p, e = compensated.two_product(float(a), float(b))
+        with mp.workdps(60):
+            assert mp.mpf(p) + mp.mpf(e) == mp.mpf(float(a)) * mp.mpf(float(b))
 
 
 def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
@@ -170,12 +167,6 @@ def test_special_values_are_those_of_ieee(name, library):
     np.testing.assert_array_equal(np.signbit(got[known]), np.signbit(expected[known]))
     # 2 units of ours and 1 of the library's.
     np.testing.assert_allclose(got[known], expected[known], rtol=6 * UNIT_ROUNDING, atol=0.0)
-
-
-def test_mpmath_reads_zero_and_below_alike():
-    for function, edge in ((logarithm.log, 0), (logarithm.log1p, -1)):
-        assert function(mp.mpf(edge)) == -mp.inf
-        assert mp.isnan(function(mp.mpf(edge) - 1))
 
 
 def both_quotients(x, y, twos):
@@ -321,13 +312,25 @@ def test_almost_every_rounding_is_certain(function):
     assert np.mean(low_sure) > 0.998
 
 
-def test_usual_angles_need_no_other_way():
+def test_certainty_of_usual_angles_of_none_beyond_the_range_and_of_functions_without_a_rule():
     """Zero is exact, and whole numbers of quarters are as near to those of pi as doubles are."""
     for function, (name, has_low) in FUNCTIONS_TRIPLE.items():
         for angle in (0.0, 1.0, np.pi, -np.pi, np.pi / 2, 2.0 * np.pi):
             _, _, sure, low_sure = function(TripleDouble.of(angle)).doubles()
             cancels = name.startswith("slider_crank") and angle == np.pi / 2
             assert (low_sure if has_low else sure) or cancels, (name, angle)
+    for angle in [1.1e5, -1e22, np.inf, -np.inf, np.nan, 2.0**-301, -5e-324]:
+        for x in (angle, np.array([angle])):
+            with np.errstate(all="ignore"):
+                for core in (multiple.circular, multiple.hyperbolic):
+                    assert not np.any(core(x)[1] < np.inf)
+                    assert not np.any(core(x)[3] < np.inf)
+
+    def sine_of_a_sine(theta):
+        return sin(sin(theta))
+
+    for angles in (np.array([0.5]), np.linspace(-4.0, 4.0, 41)):
+        assert_correctly_rounded(sine_of_a_sine, True, angles)
 
 
 def exact_parts(core, x):
@@ -354,23 +357,6 @@ def test_errors_stay_below_their_bounds(core):
                     assert error <= bound, (kind, angle)
                     # 2^-100 of the square of the rest, 2^-22.7 at most, and of a table's value over 2^-11 or more
                     assert bound <= 2.0**-110 * abs(exact), (kind, angle)
-
-
-def test_nothing_is_certain_beyond_the_range():
-    for angle in [1.1e5, -1e22, np.inf, -np.inf, np.nan, 2.0**-301, -5e-324]:
-        for x in (angle, np.array([angle])):
-            with np.errstate(all="ignore"):
-                for core in (multiple.circular, multiple.hyperbolic):
-                    assert not np.any(core(x)[1] < np.inf)
-                    assert not np.any(core(x)[3] < np.inf)
-
-
-def test_functions_without_a_rule_are_left_to_mpmath():
-    def sine_of_a_sine(theta):
-        return sin(sin(theta))
-
-    for angles in (np.array([0.5]), np.linspace(-4.0, 4.0, 41)):
-        assert_correctly_rounded(sine_of_a_sine, True, angles)
 
 
 def test_constants_are_rounded_to_their_last_place():

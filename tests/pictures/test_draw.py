@@ -129,12 +129,24 @@ def test_names_are_shown_none_covers_another_and_the_picture_is_to_scale(mechani
     assert any(text.get_text().endswith(" m") for text in axis.texts)
 
 
-def test_what_both_assembly_modes_share_is_drawn_once():
+def test_modes_and_angles_are_named_once():
     found = bars(fl.draw("planar_4r", FOUR_BAR, theta1=1.0))
     both = [("A", "B", "1"), ("A", "B", "2"), ("D", "B", "1"), ("D", "B", "2"), ("O", "A", "1")]
     assert sorted(found) == both
     second = [("A", "B", "2"), ("D", "B", "2"), ("O", "A", "2")]
     assert sorted(bars(fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=2))) == second
+    one, both = (fl.draw("planar_4r", CURVED, theta1=1.0, branch=branch) for branch in (2, None))
+    assert [text.get_text() for text in one.legends[0].get_texts()] == ["path of $P$"]
+    assert any("branch 2: B to the left" in text.get_text() for text in one.texts)
+    assert len(both.legends[0].get_texts()) == 3
+    assert not fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=1, show=[]).legends[0].get_texts()
+    figure = fl.draw("planar_4r", FOUR_BAR)
+    assert any("$\\theta_{1}$ = 60°" in text.get_text() for text in figure.texts)
+    figure = fl.draw("planar_4r", FOUR_BAR, theta1=1.0)
+    assert any("$\\theta_{1}$ = 1 rad" in text.get_text() for text in figure.texts)
+    assert motion_of("planar_4r", {"a1": 0.9, "a2": 1.0, "a3": 0.9, "a4": 0.3}).title == "Double crank"
+    figure = fl.draw("planar_4r", FOUR_BAR, input="joint_angle_3")
+    assert "Crank-rocker" in [text.get_text() for text in figure.texts]
 
 
 @pytest.mark.parametrize(
@@ -150,20 +162,6 @@ def test_what_both_assembly_modes_share_is_drawn_once():
 def test_the_title_says_what_this_design_is(mechanism, title):
     figure = drawn(mechanism)
     assert title in [text.get_text() for text in figure.texts]
-
-
-def test_a_part_of_the_title_that_a_design_has_no_value_for_is_left_out():
-    assert motion_of("planar_4r", {"a1": 0.9, "a2": 1.0, "a3": 0.9, "a4": 0.3}).title == "Double crank"
-    figure = fl.draw("planar_4r", FOUR_BAR, input="joint_angle_3")
-    assert "Crank-rocker" in [text.get_text() for text in figure.texts]
-
-
-def test_one_mode_is_named_below_and_has_no_entry_in_the_legend():
-    one, both = (fl.draw("planar_4r", CURVED, theta1=1.0, branch=branch) for branch in (2, None))
-    assert [text.get_text() for text in one.legends[0].get_texts()] == ["path of $P$"]
-    assert any("branch 2: B to the left" in text.get_text() for text in one.texts)
-    assert len(both.legends[0].get_texts()) == 3
-    assert not fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=1, show=[]).legends[0].get_texts()
 
 
 def test_what_all_shows_is_in_the_legend():
@@ -185,13 +183,6 @@ def test_arrows_and_films_are_of_the_first_mode_that_is_there(tmp_path):
     assert {branch for *_, branch in bars(figure)} == {"1"}
     # a quarter of a frame beyond half a turn, as the last picture says
     assert "$\\theta_{1}$ = 45°" in [text.get_text() for text in figure.axes[0].texts]
-
-
-def test_an_angle_is_in_degrees_unless_it_is_given_in_radians():
-    figure = fl.draw("planar_4r", FOUR_BAR)
-    assert any("$\\theta_{1}$ = 60°" in text.get_text() for text in figure.texts)
-    figure = fl.draw("planar_4r", FOUR_BAR, theta1=1.0)
-    assert any("$\\theta_{1}$ = 1 rad" in text.get_text() for text in figure.texts)
 
 
 @pytest.mark.parametrize(
@@ -227,7 +218,7 @@ def test_by_another_input_the_linkage_stands_where_the_first_one_puts_it(mechani
         assert any(np.abs(one - ends).max() < size for one in modes), (a, b)
 
 
-def test_a_range_that_is_only_looked_at_is_no_limit():
+def test_ranges_that_are_only_looked_at_are_no_limits_and_one_of_several_positions_may_lie_beyond():
     linkage = {"a": 1.0, "b": 1.0, "g": 4.0, "h": 1.0, "x": 0.5, "y": 0.3}
     motion = motion_of("minkowski_4r", linkage, reach=5.0)
     limits = fl.evaluate("minkowski_4r", ["theta_min", "theta_max"], **linkage)
@@ -235,6 +226,9 @@ def test_a_range_that_is_only_looked_at_is_no_limit():
     assert motion.range_texts(False) == [f"up to -{outer}", f"-{inner} to {inner}", f"{outer} on"]
     assert motion.span == (-5.0, 5.0)
     assert bars(fl.draw("minkowski_4r", linkage, theta=4.5))
+    figure = fl.draw("planar_4r", ROCKER, theta1_deg=[60, 170])
+    assert (bool(bars(figure, 0)), bool(bars(figure, 1))) == (True, False)
+    assert "does not assemble" in [text.get_text() for text in figure.axes[1].texts]
 
 
 @pytest.mark.parametrize(
@@ -467,12 +461,6 @@ def test_a_film_is_handed_to_ffmpeg(tmp_path, monkeypatch):
     program.write_text(f"{script}sys.exit('no such codec')\n")
     with refused("animate", "a .gif"):
         fl.draw("hart", m=4.0, n=8.0, d=5.0, kappa=0.5, animate=film, frames=2)
-
-
-def test_of_several_positions_one_may_lie_beyond_the_limits():
-    figure = fl.draw("planar_4r", ROCKER, theta1_deg=[60, 170])
-    assert (bool(bars(figure, 0)), bool(bars(figure, 1))) == (True, False)
-    assert "does not assemble" in [text.get_text() for text in figure.axes[1].texts]
 
 
 @pytest.mark.parametrize("at", [60.0, [60.0, 80.0]])

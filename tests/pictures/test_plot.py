@@ -195,13 +195,10 @@ def test_codes_and_counts(types):
     assert legend(fl.plot(types, "theta_max")) == ["has no value"]
 
 
-def test_very_large_maps_are_thinned():
+def test_large_maps_are_thinned_and_outliers_do_not_use_up_the_colours():
     space = fl.grid(a1=np.linspace(0.1, 0.3, 4000), a2=[1.1, 1.2], a3=0.8, a4=1.0)
     figure = fl.plot(sweep_4r(space, ["status"]), "status")
     assert cells(panels(figure)[0]).shape == (2, 1334)
-
-
-def test_a_few_outliers_do_not_use_up_the_colours():
     values = np.concatenate((np.linspace(1.0, 2.0, 100), [1e6]))
     low, high, extend = limits_of(values, values, 2.0)
     assert (low, extend) == (1.0, "max")
@@ -250,7 +247,7 @@ def test_assembly_modes_that_differ_have_a_row_each_and_codes_a_legend(solid):
     assert (len(codes), "crank rocker" in words(codes[-1])) == (3, True)
 
 
-def test_curves_are_a_line_for_each_mode(curves):
+def test_curves_are_a_line_for_each_mode_and_a_single_number_is_stated(curves):
     figure = fl.plot(curves, "omega4")
     assert legend(figure) == ["branch 1", "branch 2", "does not assemble"]
     for branch, line in zip((1, 2), figure.axes[0].get_lines(), strict=True):
@@ -259,6 +256,9 @@ def test_curves_are_a_line_for_each_mode(curves):
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()][2] == r"$\pi$"
     (line,) = fl.plot(curves, "omega4", branch=2).axes[0].get_lines()
     assert_array_equal(line.get_ydata(), curves["omega4"].sel(branch=2))
+    value = float(curves["omega4_max"].sel(branch=1))
+    with pytest.raises(fl.InputError, match=rf"its value is {value:g}; leave one free$"):
+        fl.plot(curves, "omega4_max", branch=1)
 
 
 def test_a_line_for_each_value_of_an_input(solid):
@@ -489,12 +489,18 @@ def test_a_scatter_has_every_row_with_numbers_and_counts_the_others(rows, usable
     assert figure.get_suptitle() == f"{expected} rows where status is rotates fully and a2 is at least 1"
 
 
-def test_a_third_quantity_colours(rows):
+def test_a_third_quantity_colours_and_a_corner_has_each_pair(rows):
     axis, scale = fl.plot(rows, [*NAMES, "a1"]).axes
     assert scale.get_ylabel() == "$a_{1}$ [m]"
     values = rows.a1.broadcast_like(rows.omega4_max).values[np.isfinite(rows.omega4_max.values)]
     assert_array_equal(shown(axis, PathCollection).get_array(), values)
     assert "crank rocker" in words(fl.plot(rows, [*NAMES, "grashof_class"]).axes[0])
+    axes = [axis for axis in fl.plot(rows, [*NAMES, "a1", "a2"]).axes if axis.get_visible()]
+    assert len(axes) == 4 + 6
+    assert [axis.get_xlabel() for axis in axes[-4:]][2:] == ["$a_{1}$ [m]", "$a_{2}$ [m]"]
+    assert not axes[0].collections
+    (two,) = [axis for axis in fl.plot(rows, NAMES, kind="corner").axes if axis.collections]
+    assert len(shown(two, PathCollection).get_offsets())
 
 
 def test_many_rows_are_counted_in_cells(rows, usable, monkeypatch):
@@ -509,15 +515,6 @@ def test_many_rows_are_counted_in_cells(rows, usable, monkeypatch):
     assert fl.plot(rows, [*NAMES, "a1"]).axes[1].get_ylabel() == "mean of $a_{1}$ [m]"
     with refused("grashof_class", "where"):
         fl.plot(rows, [*NAMES, "grashof_class"])
-
-
-def test_a_corner_has_each_pair_and_each_by_itself(rows):
-    axes = [axis for axis in fl.plot(rows, [*NAMES, "a1", "a2"]).axes if axis.get_visible()]
-    assert len(axes) == 4 + 6
-    assert [axis.get_xlabel() for axis in axes[-4:]][2:] == ["$a_{1}$ [m]", "$a_{2}$ [m]"]
-    assert not axes[0].collections
-    (two,) = [axis for axis in fl.plot(rows, NAMES, kind="corner").axes if axis.collections]
-    assert len(shown(two, PathCollection).get_offsets())
 
 
 @pytest.mark.parametrize("most", [charts.MOST_POINTS, 20], ids=["points", "cells"])
@@ -702,9 +699,3 @@ def test_requests_without_sense_are_refused(maps, draw, key, remedy, folder):
     (folder / "folder.png").mkdir()
     with refused(key, remedy):
         draw(maps)
-
-
-def test_a_single_number_is_stated_instead_of_drawn(curves):
-    value = float(curves["omega4_max"].sel(branch=1))
-    with pytest.raises(fl.InputError, match=rf"its value is {value:g}; leave one free$"):
-        fl.plot(curves, "omega4_max", branch=1)

@@ -151,13 +151,17 @@ def test_derivatives_by_inputs_that_move_no_toggle_grow_as_their_own_facts():
     assert 0.0 < found.d_P_x_d_P_u_rms <= 1.0
 
 
-def test_a_gap_between_two_samples_counts():
+def test_a_gap_between_two_samples_counts_and_what_is_zero_everywhere_has_a_mean():
     """The input misses 2e-3 rad on both sides of pi, where none of 7 samples is."""
     lengths = (1.0, 1.1, 1.1 - 1e-6, 1.2)
     sampled = swept(lengths, ["omega4_rms", "omega4"], theta1=7, extrema="sampled")
     assert np.isfinite(sampled.omega4).all()
     assert np.isfinite(sampled.omega4_rms)
     assert swept(lengths, ["omega4_rms"], theta1=7).omega4_rms == np.inf
+    space = fl.grid(**dict(zip(TABLE_1, PARTIAL, strict=True)), omega1=0.0)
+    found = sweep_4r(space, ["omega4_rms", "alpha4_mean"], theta1=90)
+    assert np.all(found.omega4_rms == 0.0)
+    assert np.all(found.alpha4_mean == 0.0)
 
 
 def test_over_given_angles_reductions_are_of_samples():
@@ -168,10 +172,3 @@ def test_over_given_angles_reductions_are_of_samples():
     np.testing.assert_allclose(found.omega4_rms, np.sqrt(np.nanmean(values**2)), rtol=90 * 2.0**-53)
     same = swept(PARTIAL, ["omega4_rms"], extrema="sampled")
     np.testing.assert_array_equal(found.omega4_rms, same.omega4_rms)
-
-
-def test_what_is_zero_everywhere_has_a_mean():
-    space = fl.grid(**dict(zip(TABLE_1, PARTIAL, strict=True)), omega1=0.0)
-    found = sweep_4r(space, ["omega4_rms", "alpha4_mean"], theta1=90)
-    assert np.all(found.omega4_rms == 0.0)
-    assert np.all(found.alpha4_mean == 0.0)

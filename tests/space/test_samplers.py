@@ -62,11 +62,16 @@ def test_a_grid_of_a_thousand_million_designs_costs_its_axes():
     assert peak < 2**20
 
 
-def test_one_design_has_no_dimensions():
+def test_one_design_has_no_dimensions_and_constants_add_only_what_is_missing():
     designs = grid(a1=0.4, a2=np.float64(1.2), a3=np.array(0.8), a4=Fraction(1, 2))
     assert (designs.dims, designs.shape, designs.size) == ((), (), 1)
     assert designs.constants == {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 0.5}
     assert_array_equal(filled(designs, ["a4", "a1"], 0, 1), [[0.5], [0.4]])
+    designs = grid(a1=0.4, a2=[1.0, 2.0]).with_constants({"a1": 9.0, "a2": 9.0, "omega1": 1})
+    assert designs.constants == {"a1": 0.4, "omega1": 1.0}
+    assert_array_equal(designs.axes["a2"], [1.0, 2.0])
+    with refused("constants: m1", "a finite number"):
+        designs.with_constants({"m1": np.inf})
 
 
 def test_a_space_keeps_its_values_whatever_the_caller_does():
@@ -78,19 +83,14 @@ def test_a_space_keeps_its_values_whatever_the_caller_does():
         designs.values("a2")[0] = 9.0
 
 
-def test_with_constants_adds_only_what_is_missing():
-    designs = grid(a1=0.4, a2=[1.0, 2.0]).with_constants({"a1": 9.0, "a2": 9.0, "omega1": 1})
-    assert designs.constants == {"a1": 0.4, "omega1": 1.0}
-    assert_array_equal(designs.axes["a2"], [1.0, 2.0])
-    with refused("constants: m1", "a finite number"):
-        designs.with_constants({"m1": np.inf})
-
-
-def test_an_input_without_a_value_is_named_with_the_nearest():
+def test_lacking_inputs_and_more_designs_than_can_be_numbered_are_refused():
     with refused("'omega_1'", "did you mean 'omega1'?"):
         grid(omega1=1.0).values("omega_1")
     with refused("'omega_1'", "did you mean 'omega1'?"):
         filled(grid(omega1=1.0), ["omega_1"], 0, 1)
+    axis = np.arange(2.0**16)
+    with refused("1.84e+19 designs", "a: 65536, b: 65536, c: 65536, d: 65536"):
+        grid(a=axis, b=axis, c=axis, d=axis)
 
 
 @pytest.mark.parametrize(("start", "stop"), [(-1, 1), (0, 3), (2, 1)])
@@ -114,12 +114,6 @@ GRID_ERRORS = {
 def test_a_bad_axis_is_refused_in_one_line(values, key, remedy):
     with refused(key, remedy):
         grid(a1=0.4, a2=values)
-
-
-def test_more_designs_than_can_be_numbered_are_refused():
-    axis = np.arange(2.0**16)
-    with refused("1.84e+19 designs", "a: 65536, b: 65536, c: 65536, d: 65536"):
-        grid(a=axis, b=axis, c=axis, d=axis)
 
 
 def test_sobol_gives_the_first_points_of_scipys_sequence():

@@ -337,15 +337,6 @@ def test_conditions_and_other_objectives_hold_at_the_end():
     assert float(greatest.path_error_max[0]) < 0.030625 < float(found.path_error_max[0])
 
 
-def test_a_condition_that_no_start_meets_is_met_at_the_end():
-    """Once the refinement towards it ended at a ground link of length 0."""
-    square = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.2, 0.9)]
-    found = fl.synthesise("planar_4r", path=square, where={"transmission_angle_min_deg": (95, None)}, top=2)
-    assert found.sizes["design"] == 2
-    assert (np.degrees(found.transmission_angle_min) >= 95.0).all()
-    assert (found.path_error < 1e-6).all()
-
-
 @pytest.mark.parametrize("mechanism", ["planar_4r", "slider_crank"])
 def test_a_family_of_poses_is_searched_for_the_best(monkeypatch, mechanism):
     """Changes that are ever smaller: better than the best of the family's sample, and each pose to its rounding."""
@@ -497,11 +488,17 @@ def test_free_turns_are_chosen_with_the_linkage():
     assert turned == pytest.approx(float(row.output_turn), abs=1e-13)
 
 
-def test_no_linkage_is_an_empty_result_with_the_reason():
+def test_no_linkage_is_an_empty_result_with_the_reason_and_a_condition_no_start_meets_is_met():
     found = fl.synthesise("planar_4r", motion=POSES, where={"status": "never_assembles"})
     assert found.sizes["design"] == 0
     assert {"a1", "theta1", "pose_error"} <= set(found.variables)
     assert "12 fail status" in found.attrs["reason"]
+    # Once the refinement towards it ended at a ground link of length 0.
+    square = [(0, 0), (1, 0), (1, 1), (0, 1), (0.5, 0.5), (0.2, 0.9)]
+    found = fl.synthesise("planar_4r", path=square, where={"transmission_angle_min_deg": (95, None)}, top=2)
+    assert found.sizes["design"] == 2
+    assert (np.degrees(found.transmission_angle_min) >= 95.0).all()
+    assert (found.path_error < 1e-6).all()
 
 
 def test_a_result_is_a_map(tmp_path):
@@ -692,14 +689,11 @@ def test_precision_points_of_a_table_are_pairs_of_it():
         fl.synthesise("planar_4r", function=np.c_[x, x][:3], **ask)
 
 
-def test_a_study_of_a_task_is_no_sweep(tmp_path):
+def test_studies_of_tasks_are_no_sweeps_and_a_turn_of_a_slider_crank_grows(tmp_path):
     study = tmp_path / "task.toml"
     study.write_text('mechanism = "planar_4r"\n[synthesis]\npath = [[0, 0], [1, 1], [2, 1]]\n')
     with pytest.raises(fl.InputError, match=r"no sweep; `fastlink run .*` finds them"):
         fl.explain(study)
-
-
-def test_a_turn_of_a_slider_crank_is_one_range_that_grows():
     for turn in ((90, 30), (90, 90), "90"):
         with pytest.raises(fl.InputError, match="turn_deg is"):
             fl.synthesise("slider_crank", function=np.exp, over=(0, 1), turn_deg=turn, travel=0.1)

@@ -83,18 +83,7 @@ def test_status_at_and_next_to_its_boundaries(meaning, design):
         assert not any(there[name] for name in NUMBERS if name != "lambda_")
 
 
-def test_every_status_is_met():
-    assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values()) - {"beyond_range"}
-
-
-def test_both_completions_are_one_where_they_meet():
-    one, other = (facts({name: [value] for name, value in BOUNDARIES[0][1].items()}, k) for k in (1.0, 2.0))
-    for name in FACTS:
-        # S/d and c/S are two roundings off one number, of which lambda is made
-        np.testing.assert_allclose(one[name], other[name], rtol=16 * UNIT_ROUNDING, err_msg=name)
-
-
-def test_change_points_are_told_as_such():
+def test_change_points_and_equal_completions_are_told_as_such_and_every_status_is_met():
     # a + b = c + d: everything may lie in line
     found = facts({"a": [5.0], "b": [3.0], "c": [2.0], "d": [6.0], "rho": [1.0]}, 1.0)
     assert found["crank_type"][0] == 4.0
@@ -103,6 +92,11 @@ def test_change_points_are_told_as_such():
     kites = {"a": [2.0, 1.0], "b": [1.0, 2.0], "c": [1.0, 1.0], "d": [2.0, 2.0], "rho": [1.0, 1.0]}
     found = facts(kites, 1.0)["grashof_class"]
     assert [flags[int(code)] for code in found] == ["change_point_kite_a_d", "change_point_kite_a_c"]
+    one, other = (facts({name: [value] for name, value in BOUNDARIES[0][1].items()}, k) for k in (1.0, 2.0))
+    for name in FACTS:
+        # S/d and c/S are two roundings off one number, of which lambda is made
+        np.testing.assert_allclose(one[name], other[name], rtol=16 * UNIT_ROUNDING, err_msg=name)
+    assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values()) - {"beyond_range"}
 
 
 def quadratic(given, lengths, sign):

@@ -271,14 +271,11 @@ def test_ranges_and_what_limits_them_are_verified(tmp_path):
     assert {*np.unique(maps.theta_low_by)} == {0, 1, 2}
 
 
-def test_kernels_need_no_other_compiler():
+def test_kernels_of_extremes_need_no_other_compiler_and_have_gradients():
     # numba, which compiles what the translator refuses, takes half a minute for one
     wanted = ["F_x_max", "d_F_x_max_d_a1", "F_x_max_error", "F_x_extrema", "theta_low", "theta_low_by"]
     for kernel in resolve(SIX_BAR, TURNING | {"omega": 1.0}, wanted, branch=3).kernels:
         assert llvm_text(kernel.source)
-
-
-def test_gradients_of_extremes():
     number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **_without("a1", "a5"))
     start, step = np.array([0.1, 0.3]), 1e-6
     slope = [(number(start + step * e) - number(start - step * e))[0] / (2 * step) for e in np.eye(2)]

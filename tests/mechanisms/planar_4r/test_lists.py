@@ -632,14 +632,16 @@ def test_lists_hold_extremes_that_samples_do_not_show(name):
     assert differing(designs, name) == (0, 0, 2)
 
 
-def test_lists_of_a_curvature_hold_the_exact_extremes():
+def test_lists_hold_the_extremes_of_curvatures_beside_kinks_and_beside_folds():
     assert differing(ordinary(np.random.default_rng(3), 16, masses=False), "curvature") == (0, 0, 32)
-
-
-def test_lists_hold_the_extremes_on_both_sides_of_a_kink_of_the_slope():
-    """Some of these lists lacked a pair: within 1e-5 rad the slope dips below zero as a load turns with a rate."""
+    # Some of these lists lacked a pair: within 1e-5 rad the slope dips below zero as a load turns with a
+    # rate.
     designs = with_turning_load(np.random.default_rng(5), 20)
     assert differing({name: values[:10] for name, values in designs.items()}, "F32_y") == (0, 0, 20)
+    # The slope of the last sample is exactly 0: the zero of rounding stood for that at 1e-6 of the fold.
+    folded = folded_planar_4r(np.random.default_rng(12), 150)
+    assert differing({key: values[120:121] for key, values in folded.items()}, "F32_y") == (0, 0, 2)
+    assert differing({name: np.array([value]) for name, value in CUSP.items()}, "curvature") == (1, 0, 2)
 
 
 #: Near kites that are change points: beside their folds accelerations of the output link are differences of numbers up
@@ -683,12 +685,6 @@ def test_lists_that_rounding_hides_extremes_of_have_no_bound(name, drawn):
     assert ((~undecided) & (np.isnan(values) != np.isnan(bounds)).any("extremum")).sum() == 0
 
 
-def test_an_extreme_beside_a_fold_is_listed_where_the_slope_at_the_fold_is_rounding():
-    """The slope of the last sample is exactly 0: the zero of rounding stood for that at 1e-6 of the fold."""
-    folded = folded_planar_4r(np.random.default_rng(12), 150)
-    assert differing({key: values[120:121] for key, values in folded.items()}, "F32_y") == (0, 0, 2)
-
-
 #: A coupler point that passes its instant centre: a curvature below -1e15 between two of 201 within 7e-5 rad.
 CUSP = {
     "a1": 0.21644546641606582,
@@ -697,10 +693,6 @@ CUSP = {
     "a4": 1.1609216525989083,
 }
 CUSP |= {"omega1": 1.0, "P_u": -6.399469951710982, "P_v": -5.341676966630802}
-
-
-def test_a_list_that_lacks_extremes_within_a_peak_has_no_bound():
-    assert differing({name: np.array([value]) for name, value in CUSP.items()}, "curvature") == (1, 0, 2)
 
 
 #: Many designs, by what is hard about them: how they are drawn and of which quantities. Exact algebra of forces takes
