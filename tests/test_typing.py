@@ -1,7 +1,4 @@
-"""The type hints that name mechanisms, quantities and inputs: the committed stubs are those of the catalogues.
-
-That type checkers accept and refuse what they should is in ``tests/typing``, which ``mypy`` reads.
-"""
+"""The type hints that name mechanisms, quantities and inputs: the committed stubs are those of the catalogues."""
 
 import inspect
 from typing import get_args

@@ -1,7 +1,4 @@
-"""The studies of the repository run, at reduced size, and their numbers are those that their comments promise.
-
-The map of crank-rockers runs at its size in test_docs.py; those of minkowski_4r in test_minkowski_studies.py.
-"""
+"""The studies of the repository run, at reduced size, and their numbers are those that their comments promise."""
 
 import json
 import os

@@ -48,11 +48,7 @@ from fastlink.space.design_space import EXTREMUM
 
 @dataclass(frozen=True)
 class Family:
-    """A request that has kernels of one kind.
-
-    Designs are random, of all classes: some assemble nowhere. There are more of them than the lanes of a vector, and no
-    whole number of vectors.
-    """
+    """A request that has kernels of one kind."""
 
     mechanism: Any
     names: Sequence[str]

@@ -140,10 +140,7 @@ def test_a_crank_rocker_as_by_its_own_formulas():
 
 
 def test_counterweights_of_berkof_and_lowen():
-    """The shaking force vanishes where counterweights keep the mass centre at rest: m r = (m1 + m2) a1 / 2 and so on.
-
-    Uniform bars: of the coupler one half counts at A, one at B. The least force is at a kink, where it is 0.
-    """
+    """The shaking force vanishes where counterweights keep the mass centre at rest: m r = (m1 + m2) a1 / 2."""
     bar = 7750.0 * np.pi * 0.01**2
     m1, m2, m3 = (bar * a for a in (0.4, 1.2, 0.8))
     known = [(m1 + m2) * 0.5 * 0.4 / 0.2, (m2 + m3) * 0.5 * 0.8 / 0.4]

@@ -1,7 +1,4 @@
-"""Hostile input: no traceback, no wrong number, no hang, at any door.
-
-A case that fails is one line of Python; ``python -m tests.hostile "LINE"`` runs it.
-"""
+"""Hostile input: no traceback, no wrong number, no hang, at any door."""
 
 import inspect
 

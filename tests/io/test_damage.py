@@ -49,15 +49,7 @@ KINDS = {
 
 
 class Files:
-    """A whole map, and what an interrupted run of the same request left, in a layout.
-
-    Attributes
-    ----------
-    contents : dict
-        The bytes of each file.
-    regions : dict
-        The numbers of the bytes of each region of each file.
-    """
+    """A whole map, and what an interrupted run of the same request left, in a layout."""
 
     def __init__(self, folder, layout, patch):
         self.layout = layout

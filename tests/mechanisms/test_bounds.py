@@ -1,9 +1,4 @@
-"""Error bounds at degenerate designs and extreme inputs: they hold for the numbers as given, or are infinite.
-
-Values against the loops are held in tests/precision/test_loops.py; here are derivatives, and what a bound is where a
-value is none, where a gap of the lengths counts as zero, and where powers underflow. Extreme inputs have no sizes in
-common: an infinite error meets a slope of 0, or another infinite one.
-"""
+"""Error bounds at degenerate designs and extreme inputs: they hold for the numbers as given, or are infinite."""
 
 import contextlib
 

@@ -1,9 +1,4 @@
-"""Greatest, least and listed extremes of every mechanism: within their bounds, none missed, whatever else is requested.
-
-The exact extremes are those of 50 digits (`fastlink.precision.stationary`), found by another search. There is no
-tolerance: |value - exact| <= bound is what a bound is. How loose bounds are is measured, as nothing says how loose
-they may be: of the planar linkage half are within 10 to 130 errors, an error being a rounding of the value at least.
-"""
+"""Greatest, least and listed extremes of every mechanism: within their bounds and none missed, as 50 digits tell."""
 
 from contextlib import contextmanager
 from dataclasses import replace

@@ -1,7 +1,4 @@
-"""Reductions over the cycle run over the positions at which the linkage can be assembled.
-
-The crank pin has a place at every crank angle, also where the other links do not reach: that is no part of the motion.
-"""
+"""Reductions over the cycle run over the positions at which the linkage can be assembled."""
 
 import math
 

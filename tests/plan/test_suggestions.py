@@ -13,15 +13,8 @@ from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import parse_request, suggest_input, suggest_quantity
 
-# == Names as users write them before they know the catalogue, and what they mean ============================
 # Written down before the scorer was: textbook symbols, words of machine designers, other spellings, typing errors.
 # Each phrase is of a mechanism; what is meant must be among the first three suggestions.
-
-"""Names as users write them before they know the catalogue, and what they mean.
-
-Written down before the scorer was: textbook symbols, words of machine designers, other spellings, typing errors. Each
-phrase is of a mechanism; what is meant must be among the first three suggestions.
-"""
 
 #: Phrases for quantities, by mechanism: `NAME: PHRASE | PHRASE` a line.
 QUANTITIES = {

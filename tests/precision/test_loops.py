@@ -1,9 +1,4 @@
-"""Facts and error bounds against the loops themselves, a reference that shares no formula with them.
-
-Facts agree with loops to 50 digits in configurations of all families. Designs from the neighbourhoods of every
-degenerate set have no value beyond its bound and no finite number where there is none; an infinite bound claims
-nothing. And a wrong formula does not escape: a file says that it is wrong.
-"""
+"""Facts and error bounds against the loops themselves, a reference that shares no formula with them."""
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
@@ -97,11 +92,7 @@ def test_facts_and_loops_agree_in_many_configurations(name):
 @pytest.mark.parametrize("n", [60, pytest.param(4000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_both_references_have_the_same_numbers(mechanism, drive, n):
-    """Most configurations are next to something degenerate.
-
-    Where the loop does not close the end of the driven bar alone has a place, where links are in line rates have no
-    number: a map whose references differ there has a mismatch in its file.
-    """
+    """Most configurations are next to something degenerate."""
     known = catalogue(mechanism, drive)
     inputs = DRAWN[mechanism, drive](np.random.default_rng(n), n) | {"branch": np.ones(n)}
     variants = known.variants_selected_by(inputs)

@@ -71,14 +71,7 @@ class Outcome(NamedTuple):
 
 
 class Trials:
-    """Runs in a process of their own, each with a fault; a context manager.
-
-    Parameters
-    ----------
-    run : str
-        ``module:function`` of what is run; the function takes the path of the file to make and options, and is called
-        once beforehand without a file, to load what it needs.
-    """
+    """Runs in a process of their own, each with a fault; a context manager."""
 
     def __init__(self, run: str) -> None:
         command = [sys.executable, "-m", "tests.support.faults", run]

@@ -1,8 +1,4 @@
-"""Where every mechanism is tested: its inputs, its families of configurations, and how exact it must be there.
-
-What holds for every quantity of every mechanism (tests/mechanisms/test_precision.py) is tested for the `ENTRIES`
-here. A new mechanism needs one entry for each of its inputs; without them a test fails.
-"""
+"""Where every mechanism is tested: its inputs, its families of configurations, and how exact it must be there."""
 
 from __future__ import annotations
 

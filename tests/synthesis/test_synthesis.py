@@ -513,10 +513,7 @@ def test_a_result_is_a_map(tmp_path):
 
 
 def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
-    """Each linear program's end is a step: those that were done are not done again, and the bits are the same.
-
-    What is due is kept before the run is stopped, so that a signal that ends the process at once leaves that.
-    """
+    """Each linear program's end is a step: those that were done are not done again, and the bits are the same."""
     x = np.linspace(0, 1, 7)
     monkeypatch.setattr(functions, "STARTS", 30)
     ask = {"function": np.c_[x, x**2], "turn_deg": (60, -60), "to": tmp_path / "found.h5"}

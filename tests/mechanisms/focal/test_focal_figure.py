@@ -1,7 +1,4 @@
-"""The focal mechanism in motion, by either drive: what the loops have no value of, and the paper's special cases.
-
-Joints, circles and angles of the figure are held by the loops (tests/precision/test_loops.py).
-"""
+"""The focal mechanism in motion, by either drive: what the loops have no value of, and the paper's special cases."""
 
 import numpy as np
 import pytest

@@ -1,7 +1,4 @@
-"""The Minkowskian 4R: eq. (3), rapidities of any size, and flags where something is no number.
-
-Its formulas are held by the loops (tests/precision/test_loops.py), its digits by the rule of all mechanisms.
-"""
+"""The Minkowskian 4R: eq. (3), rapidities of any size, and flags where something is no number."""
 
 import contextlib
 

@@ -23,10 +23,7 @@ def examples(tmp_path_factory):
 
 
 def test_the_curves_of_the_examples_are_where_the_paper_says(examples):
-    """Figures 9 to 24: assembled up to theta_min and from theta_max on, there in both branches.
-
-    Their numbers are held in test_minkowski_types.py.
-    """
+    """Figures 9 to 24: assembled up to theta_min and from theta_max on, there in both branches."""
     lengths = [lengths for lengths, *_ in EXAMPLES.values()]
     np.testing.assert_array_equal(np.array([examples[name] for name in "abgh"]).T, lengths)
     cosh = np.cosh(examples.theta)

@@ -44,10 +44,7 @@ LISTED += ("shaking_force", "F41_x", "F32_y", "P_ax")
 
 @dataclass(frozen=True)
 class Place:
-    """An extreme: the branch, tan(theta1/2) as a ball (None for pi), and whether it is a maximum (1) or not (-1).
-
-    `at_end` tells whether it is nearer to where links align than kernels tell apart: no list needs to hold it.
-    """
+    """An extreme: the branch, tan(theta1/2) as a ball (None for pi), and whether it is a maximum (1) or not (-1)."""
 
     branch: int
     t: Any
@@ -330,10 +327,7 @@ class Unsettled(Exception):
 
 
 class Slopes:
-    """The slope of a quantity on both branches: one number of a field, or two rational functions.
-
-    With a load that goes with the square of a rate there are as many for each sense of the rate.
-    """
+    """The slope of a quantity on both branches: one number of a field, or two rational functions."""
 
     def __init__(self, inputs, name, zeroes):
         first = Linkage(inputs, 1, zeroes=zeroes)

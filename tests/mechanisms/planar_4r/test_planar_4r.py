@@ -1,7 +1,4 @@
-"""The planar 4R: both solvers, the mirror image of the motion, and loads of nothing.
-
-Its formulas are held by the loops (tests/precision/test_loops.py).
-"""
+"""The planar 4R: both solvers, the mirror image of the motion, and loads of nothing."""
 
 import numpy as np
 import pytest

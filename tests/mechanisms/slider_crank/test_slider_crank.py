@@ -1,7 +1,4 @@
-"""The slider-crank: classes and dead centres by exact arithmetic, toggles, and links of round bars.
-
-Its formulas are held by the loops (tests/precision/test_loops.py).
-"""
+"""The slider-crank: classes and dead centres by exact arithmetic, toggles, and links of round bars."""
 
 import re
 from fractions import Fraction
