@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -225,8 +226,8 @@ def test_attributes_are_kept_in_memory_and_in_files_or_refused_before_anything_i
     in_memory = sweep(attrs=GOOD_ATTRS)
     with sweep(attrs=GOOD_ATTRS, to="maps.h5") as in_file:
         for name, value in GOOD_ATTRS.items():
-            np.testing.assert_array_equal(in_memory.attrs[name], value)
-            np.testing.assert_array_equal(in_file.attrs[name], value)
+            assert_array_equal(in_memory.attrs[name], value)
+            assert_array_equal(in_file.attrs[name], value)
     for name in NAMES:
         with refused("attrs", "letters"):
             sweep(attrs={name: 1})

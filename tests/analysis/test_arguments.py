@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from numpy.testing import assert_array_equal, assert_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -33,10 +34,7 @@ CALLS = {
     "io_coefficients": (fl.planar.io_coefficients, LENGTHS | {"pair": "14"}),
     "force_balance": (fl.planar.force_balance, MASSES | {"radius1": 0.1, "mass3": 2.0, "links": None}),
     "focal.cubic": (fl.focal.cubic, FOCAL | {"branch": 2}),
-    "focal.from_point": (
-        fl.focal.from_point,
-        FOCAL | {"x": 1.0, "y": 2.0, "branch": 2},
-    ),
+    "focal.from_point": (fl.focal.from_point, FOCAL | {"x": 1.0, "y": 2.0, "branch": 2}),
     "focal.five_bar": (
         fl.focal.five_bar,
         {"m": 1.0, "p": 1.5, "q": 2.0, "n": 1.2, "d": 2.0, "phi": 0.4, "omega_angle": 1.0, "branch": 2},
@@ -55,7 +53,7 @@ def test_a_design_is_given_by_name_or_as_one(called):
     frame = pd.DataFrame({name: [value] for name, value in whole.items()}).assign(label="x")
     by_name = function(**inputs, **options)
     for design in (whole, xr.Dataset(whole).assign(omega4=1.0), frame):
-        np.testing.assert_equal(
+        assert_equal(
             np.ravel(np.array(list(flat(function(design, **options))))),
             np.ravel(np.array(list(flat(by_name)))),
         )
@@ -142,9 +140,9 @@ def test_points_of_any_size(scale):
     x, y = np.random.default_rng(8).uniform(-8e6, 8e6, (2, 9))  # below 2^23: the greatest is 2^1023
     assert fl.planar.straightness(scale * x, scale * y) == scale * fl.planar.straightness(x, y)
     plain, other = fl.focal.straight_line(x, y), fl.focal.straight_line(scale * x, scale * y)
-    np.testing.assert_equal(other[:2], [scale * value for value in plain[:2]])
+    assert_equal(other[:2], [scale * value for value in plain[:2]])
     assert other.direction == plain.direction
-    np.testing.assert_array_equal(other.deviation, scale * plain.deviation)
+    assert_array_equal(other.deviation, scale * plain.deviation)
 
 
 def test_no_points_give_no_line_and_a_gap_no_branch():

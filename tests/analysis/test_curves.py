@@ -7,6 +7,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from flint import arb, ctx, fmpq
+from numpy.testing import assert_array_equal
 from tests.support.configurations import LENGTHS
 from tests.support.curve_designs import (
     CURVE,
@@ -79,9 +80,9 @@ def test_the_sextic_anywhere_is_the_product_over_both_assemblies_with_the_crank(
 def test_the_sextic_is_tricircular_and_sees_both_branches_of_a_design():
     c = sextic(design_of([0.4, 0.5], 1.2, 0.8, 1.0, 0.3, 0.2))
     top = np.array([[c[0, i, 6 - i] for i in range(7)], [c[1, i, 6 - i] for i in range(7)]])
-    np.testing.assert_array_equal(top, [[1, 0, 3, 0, 3, 0, 1]] * 2)
+    assert_array_equal(top, [[1, 0, 3, 0, 3, 0, 1]] * 2)
     assert not any(c[:, i, j].any() for i in range(7) for j in range(7 - i, 7))
-    np.testing.assert_array_equal(c[1], sextic(design_of(0.5, 1.2, 0.8, 1.0, 0.3, 0.2)))
+    assert_array_equal(c[1], sextic(design_of(0.5, 1.2, 0.8, 1.0, 0.3, 0.2)))
 
 
 @pytest.mark.parametrize("branch", [1, 2])
@@ -97,7 +98,7 @@ def test_cognates_trace_the_same_points(branch):
     sine_cognate = np.abs(np.sin(got["theta4"] - theta))
     for cognate in cognates(inputs):
         angle, side = cognate.configuration(theta, got["theta2"], got["theta4"])
-        np.testing.assert_array_equal(side[closes & (cognate.number == 1)], branch)
+        assert_array_equal(side[closes & (cognate.number == 1)], branch)
         own = cognate.design
         traced = evaluate(["P_x", "P_y"], own, angle, side)
         X, Y = cognate.to_ground(traced["P_x"], traced["P_y"])
@@ -183,7 +184,7 @@ def test_inflections_of_circles_and_of_many_designs():
     )
     assert count.shape == (2, 3)
     assert theta1.shape == X.shape == (2, 3, count.max())
-    np.testing.assert_array_equal(np.isfinite(theta1).sum(axis=-1), count)
+    assert_array_equal(np.isfinite(theta1).sum(axis=-1), count)
 
 
 # == Crunodes and cusps of coupler curves against polylines and the instant centre ===========================
@@ -195,7 +196,7 @@ def test_two_configurations_of_the_linkage_meet_at_a_crunode():
     a1, a2, a3, a4, u, v = (inputs[name][:, None] for name in CURVE)
     X, Y, count = crunodes(**inputs)
     assert X.shape == Y.shape == (5000, 3)
-    np.testing.assert_array_equal(np.isfinite(X).sum(axis=-1), count)
+    assert_array_equal(np.isfinite(X).sum(axis=-1), count)
     assert min(np.bincount(count, minlength=4)) > 300
     z, p = X + 1j * Y, u + 1j * v
     square, length = np.abs(z) ** 2, np.abs(p)
@@ -524,7 +525,7 @@ def test_lengths_of_any_size_of_single_positions_and_of_none():
     design = dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.7, 0.5), strict=True))
     length, bound = curve_length(design, branch=[1, 2], error=True)
     assert length.shape == bound.shape == (2,)
-    np.testing.assert_array_equal(curve_length(design, branch=[1, 2]), length)
+    assert_array_equal(curve_length(design, branch=[1, 2]), length)
     for function in (fl.planar.curve_length, fl.planar.curve_area):
         with refused("error", "True or False"):
             function(design, error="yes")

@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.focal_configurations import random_designs
 from tests.support.refusals import refused
 
@@ -32,7 +33,7 @@ def known():
 def test_from_the_F_of_a_mechanism_it_finds_that_mechanism(known, by):
     made = fl.focal.from_point(*(known[name] for name in POSITION), x=known["F_x"], y=known["F_y"], by=by)
     if by == "rho":
-        np.testing.assert_array_equal(made.design["completion"], known["completion"])
+        assert_array_equal(made.design["completion"], known["completion"])
     expected = {
         "rho": known["rho"],
         "s": known["d"] * known["rho"] / (1 + known["rho"]),
@@ -218,10 +219,8 @@ def test_with_hart_s_condition_it_is_the_focal_mechanism(known):
     # FQ and QN are not in line, so Q is off by the roundings of F over the sine of their angle
     for name in ("F_x", "F_y", "Q_x", "Q_y"):
         assert (np.abs(at[name] - found[name])[straight] <= 1e-12).all(), name
-    np.testing.assert_allclose(
-        at["angle_FQN"][straight], found["transmission_angle_Q"][straight], rtol=0, atol=1e-11
-    )
-    np.testing.assert_allclose(
+    assert_allclose(at["angle_FQN"][straight], found["transmission_angle_Q"][straight], rtol=0, atol=1e-11)
+    assert_allclose(
         np.cos(at["angle_FQN"][straight]), -np.cos(found["omega_angle"][straight]), rtol=0, atol=1e-11
     )
 
@@ -232,7 +231,7 @@ def test_the_four_bar_of_a_five_bar_is_that_of_2_6(known):
     found = fl.evaluate("focal", names, **given)
     m, n, p, q, s, lambda_ = (found[name] for name in names)
     made = fl.focal.from_five_bar(m, n, p, q, known["d"])
-    np.testing.assert_array_equal(made["completion"], known["completion"])
+    assert_array_equal(made["completion"], known["completion"])
     for name in ("a", "b", "c", "rho"):
         # c^2 is a difference of products; lambda m of lambda near 0 is a sum of 1 and -1
         steep = (1.0 + np.abs(lambda_ - 1.0)) / np.abs(lambda_)
@@ -271,7 +270,7 @@ def test_held_at_AB_it_is_a_focal_mechanism_that_moves_as_seen_from_AB(known):
         **held,
         **position,
     )
-    np.testing.assert_allclose(other["T_ratio"], found["T_ratio"], rtol=1e-13)
+    assert_allclose(other["T_ratio"], found["T_ratio"], rtol=1e-13)
     # next to a toggle of the other one, where N, M, A fall in line, its B is off by the root of a rounding
     sure = (
         np.isfinite(other["B_x"])
@@ -306,7 +305,7 @@ def test_a_hart_linkage_held_at_AB_is_one_that_moves_as_seen_from_AB():
     closes = np.isfinite(found["F_y"])
     assert closes.sum() > 500
     given, found = ({name: np.asarray(one)[closes] for name, one in of.items()} for of in (given, found))
-    np.testing.assert_array_equal(found["F_along_AB"], found["line_along_AB"])
+    assert_array_equal(found["F_along_AB"], found["line_along_AB"])
     held = fl.hart.held_at_AB({name: given[name] for name in ("m", "n", "d", "kappa")})
     line = fl.evaluate("hart", ["line_x"], **held, phi=0.0)["line_x"]
     # the terms of (7.5) with the rounded inputs of the other linkage

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
@@ -70,10 +71,8 @@ def test_the_flywheel_takes_up_the_fluctuation():
     assert inertia.dims == maps.T41_fluctuation.dims
     assert inertia.attrs["units"] == "kg m2"
     # Torques grow with the square of the speed: the flywheel is the same, to some roundings of the torques (1e-13).
-    np.testing.assert_allclose(inertia.sel(omega1=5.0), inertia.sel(omega1=25.0), rtol=1e-11)
-    np.testing.assert_array_equal(
-        inertia.sel(omega1=5.0), maps.T41_fluctuation.sel(omega1=5.0) / (0.02 * 25.0)
-    )
+    assert_allclose(inertia.sel(omega1=5.0), inertia.sel(omega1=25.0), rtol=1e-11)
+    assert_array_equal(inertia.sel(omega1=5.0), maps.T41_fluctuation.sel(omega1=5.0) / (0.02 * 25.0))
 
 
 def test_the_flywheel_of_a_map_in_a_file(tmp_path):
@@ -81,7 +80,7 @@ def test_the_flywheel_of_a_map_in_a_file(tmp_path):
     maps = sweep_both("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)
     expected = fl.planar.flywheel_inertia(maps, C_s=0.02)
     maps.close()
-    np.testing.assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)
+    assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)
     converted = maps.assign_coords(omega=maps.omega.assign_attrs(units="rpm"))
     with pytest.raises(fl.InputError, match=r"omega.*rpm.*; give the map as it was"):
         fl.planar.flywheel_inertia(converted, C_s=0.02)

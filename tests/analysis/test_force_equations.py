@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import all_loads, family
 from tests.support.refusals import refused
 
@@ -55,7 +56,7 @@ def test_the_matrix_is_the_printed_one():
             expected[3 * i - 3, x] = expected[3 * i - 2, y] = sign
             expected[3 * i - 1, x], expected[3 * i - 1, y] = -sign * r.imag, sign * r.real
     expected[2, column["T41"]] = 1.0
-    np.testing.assert_allclose(found.A, expected, rtol=0, atol=8 * UNIT_ROUNDING)  # lengths of about 1
+    assert_allclose(found.A, expected, rtol=0, atol=8 * UNIT_ROUNDING)  # lengths of about 1
 
 
 def test_labels_of_the_inputs_are_those_of_the_equations():
@@ -63,7 +64,7 @@ def test_labels_of_the_inputs_are_those_of_the_equations():
     found = fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=theta1, links=BARS)
     assert found.A.dims == ("theta1", "equation", "unknown")
     one = fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=1.0, links=BARS)
-    np.testing.assert_array_equal(found.sel(theta1=1.0).A, one.A)
+    assert_array_equal(found.sel(theta1=1.0).A, one.A)
     assert float(one.b.sel(equation="inertia_moment1")) == 0.0
 
 
@@ -136,9 +137,7 @@ def test_extremes_of_rates_follow_from_the_equation_of_the_pair(pair, lengths):
     for name, curve in zip(("omega", "alpha"), by_the_equation(pair, lengths, 25.0), strict=True):
         extremes = found[f"joint_{name}_{j}_extrema"]
         # half a step of 1.6e-4 from the extreme, a curve of second derivative 100 times its size at most is 3e-7 lower
-        np.testing.assert_allclose(
-            [extremes.max(), extremes.min()], [np.nanmax(curve), np.nanmin(curve)], rtol=1e-6
-        )
+        assert_allclose([extremes.max(), extremes.min()], [np.nanmax(curve), np.nanmin(curve)], rtol=1e-6)
         assert f"joint_angle_{i}_at_joint_{name}_{j}_extrema" in found
 
 

@@ -9,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
 from tests.support.sweeps import sweep_4r
@@ -55,8 +55,8 @@ SHAKING = ("shaking_force_max", (2512.318, 2512.318), (TURN - 0.1096, 0.1096))
 
 def assert_tables(maps, tables, value, place):
     for name, values, places in tables:
-        np.testing.assert_allclose(maps[name], values, rtol=value, err_msg=name)
-        np.testing.assert_allclose(maps[f"theta1_at_{name}"] % TURN, places, rtol=0, atol=place, err_msg=name)
+        assert_allclose(maps[name], values, rtol=value, err_msg=name)
+        assert_allclose(maps[f"theta1_at_{name}"] % TURN, places, rtol=0, atol=place, err_msg=name)
 
 
 def test_the_example_of_the_paper_to_every_digit(folder):
@@ -73,7 +73,7 @@ def test_the_quick_return_atlas(folder):
     assert set(maps.time_ratio.dims) == {"a1", "a2", "a3"}
     cranks = maps.grashof_class.values == 0
     assert cranks.any()
-    np.testing.assert_array_equal(np.isfinite(maps.time_ratio.values), cranks)
+    assert_array_equal(np.isfinite(maps.time_ratio.values), cranks)
     assert maps.time_ratio.min() >= 1.0
     assert maps.swing.values[cranks].max() < np.pi
 
@@ -87,12 +87,12 @@ def test_the_map_of_counterweights(folder):
     options = {"links": bars, "theta1": angles, "extrema": "sampled"}
     without = sweep_4r(fl.grid(**design), ["shaking_force_max"], **options)
     # Masses of zero change no bit.
-    np.testing.assert_array_equal(force[0, 0], without.shaking_force_max)
+    assert_array_equal(force[0, 0], without.shaking_force_max)
     # The middle is the balance of Berkof and Lowen: the masses are products of a dozen roundings at most.
     weights = fl.planar.force_balance(design, links=bars, radius1=0.2, radius3=0.4)
     for i in (1, 3):
         name = f"counterweight{i}_mass"
-        np.testing.assert_allclose(maps[name][1], weights[name], rtol=16 * UNIT_ROUNDING)
+        assert_allclose(maps[name][1], weights[name], rtol=16 * UNIT_ROUNDING)
     # What is left there are roundings of some ten terms of the force that the counterweights take away.
     assert np.all(force[1, 1] <= 32 * UNIT_ROUNDING * force[0, 0])
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from benchmarks.__main__ import measure
 from benchmarks.cases import CASES, angle_tables, bind_case, designs, fact, space_of
+from numpy.testing import assert_allclose, assert_array_equal
 
 from benchmarks import accuracy, answers, minkowski, numba_baseline, peers, report
 from fastlink.app.accuracy import curves_by_numpy
@@ -49,7 +50,7 @@ def test_c_has_the_bits_of_the_engine(case):
     ours = bind_case(case, x, K)[1]
     # The same arithmetic, strict IEEE in both.
     for name, one, other in zip(CASES[case], ours, theirs, strict=True):
-        np.testing.assert_array_equal(one, other, err_msg=name)
+        assert_array_equal(one, other, err_msg=name)
 
 
 def test_the_page_shows_what_was_measured_and_notes_a_lacking_compiler(monkeypatch):
@@ -149,7 +150,7 @@ def test_the_page_has_the_measured_errors_of_textbook_formulas():
             printed = [float(number) for number in re.findall(r"([\d.e+-]+) \(", text)]
             # The sines and arctangents of another machine's library: a rounding of each, whose median it is.
             medians = np.median(errors[family][quantity], axis=1)
-            np.testing.assert_allclose(medians, printed, rtol=0.5, atol=0.3)
+            assert_allclose(medians, printed, rtol=0.5, atol=0.3)
             if family in ("gap 1e-8", "gap 1e-15", "toggle 1e-5", "toggle 1e-8"):
                 # theta4 itself has a square-root's sensitivity there: half of the digits
                 assert medians[0] > (100.0 if quantity == "theta4" else 5e4), (quantity, family)
@@ -169,10 +170,10 @@ def test_eq3_has_the_same_roots():
     x, theta = minkowski.designs(40), np.linspace(-4.0, 4.0, 57)
     psi, orientation = minkowski.bind_psi(x, theta)[1]
     by_eq3, sign = minkowski.eq3(x, theta)
-    np.testing.assert_array_equal(np.isnan(by_eq3), np.isnan(psi))
-    np.testing.assert_array_equal(np.nan_to_num(sign), orientation)
+    assert_array_equal(np.isnan(by_eq3), np.isnan(psi))
+    assert_array_equal(np.nan_to_num(sign), orientation)
     # Of 16 digits eq. (3) loses those of e^(psi + theta): four at most here.
-    np.testing.assert_allclose(by_eq3, psi, rtol=0, atol=1e-10)
+    assert_allclose(by_eq3, psi, rtol=0, atol=1e-10)
 
 
 def test_the_table_of_the_docs_is_the_one_that_is_measured():

@@ -13,6 +13,7 @@ from typing import Any
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.mechanisms.linkages.declared import SIX_BAR
 from tests.support.compiled import assert_same_bits
 from tests.support.configurations import PLANAR, draw
@@ -401,7 +402,7 @@ def test_designs_beyond_the_first_lanes_are_computed_too():
     """Of lengths that are called m and n."""
     n, design = np.linspace(0.8, 1.2, 130), {"m": 1.0, "d": 1.2, "kappa": 0.5}
     found = sweep_both("hart", fl.grid(n=n, **design), ["stroke"])["stroke"]
-    np.testing.assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])
+    assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])
 
 
 @pytest.mark.parametrize("lanes", ["designs", "angles"])
@@ -419,7 +420,7 @@ def test_a_fact_may_need_the_branch_itself(lanes):
     found = np.empty((2, 2, 40))
     scratch = (np.empty(array.lengths(40)) for array in kernel.source.scratch)
     kernel.compiled()(designs, angles, 2, 40, *scratch, found)
-    np.testing.assert_array_equal(found, [[3.0 + np.arange(40.0), 6.0 + np.arange(40.0)]] * 2)
+    assert_array_equal(found, [[3.0 + np.arange(40.0), 6.0 + np.arange(40.0)]] * 2)
 
 
 @pytest.mark.parametrize(
@@ -548,7 +549,7 @@ def test_few_designs_come_soon_and_many_fast(compiled, names):
     sweep_4r(space(most + 1), names, angles=36)
     assert compiled == [True, False]
     for found in (second, third):
-        np.testing.assert_array_equal(found[names[0]], first[names[0]], strict=True)
+        assert_array_equal(found[names[0]], first[names[0]], strict=True)
 
 
 def test_code_that_runs_fast_is_taken_wherever_it_is(compiled):
@@ -904,7 +905,7 @@ def test_what_is_inside_means_what_python_means(name):
     exec(compile(text, "<kernel>", "exec"), namespace)
     namespace["kernel"](given.copy(), np.empty((0, 0)), 16, 7, expected)
     load_kernel(source)(given, np.empty((0, 0)), 16, 7, found)
-    np.testing.assert_array_equal(found, expected)
+    assert_array_equal(found, expected)
     assert (expected != 55.0).any()
 
 

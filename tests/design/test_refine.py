@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import minimize
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r, sweep_both
@@ -151,7 +151,7 @@ def test_counterweights_of_berkof_and_lowen():
     found = fl.best(maps, minimise="shaking_force_max", top=1, refine=True)
     # a force is 1e3 N per kilogram that is off, and its rounding 1e-12 N
     masses = [float(found.counterweight1_mass[0]), float(found.counterweight3_mass[0])]
-    np.testing.assert_allclose(masses, known, rtol=1e-9)
+    assert_allclose(masses, known, rtol=1e-9)
     assert float(found.shaking_force_max[0]) < 1e-6
 
 
@@ -161,7 +161,7 @@ def test_a_position_is_found_too(rockers):
     maps = sweep_4r(fl.sobol(16, inputs, seed=2), ["omega4", "omega4_max"], theta1=16)
     where = {"status": "rotates_fully", "branch": (1, 1)}
     found = fl.best(maps, maximise="omega4", where=where, top=2, refine=["a1"])
-    np.testing.assert_allclose(found.omega4, found.omega4_max, rtol=1e-9)
+    assert_allclose(found.omega4, found.omega4_max, rtol=1e-9)
     assert ((found.theta1 >= 0.0) & (found.theta1 < 2.0 * np.pi)).all()
     again = fl.evaluate("planar_4r", ["omega4"], theta1=found.theta1.values, branch=found.branch.values,
                         **{key: found[key].values for key in inputs})  # fmt: skip
@@ -191,8 +191,8 @@ def test_inputs_of_a_table_that_lie_on_a_line_stay_there():
     maps = fl.sweep("planar_4r", fl.table(columns), ["transmission_angle_min", "swing"], branch=1)
     found = fl.best(maps, maximise="swing", where={"transmission_angle_min": (0.7, None)}, top=1, refine=True)
     assert float(found.swing_gain[0]) > 0.0
-    np.testing.assert_allclose(found.a3, found.a2, rtol=4e-16)
-    np.testing.assert_allclose(found.a4, 0.5 * found.a2 + 0.6, rtol=1e-15)
+    assert_allclose(found.a3, found.a2, rtol=4e-16)
+    assert_allclose(found.a4, 0.5 * found.a2 + 0.6, rtol=1e-15)
 
 
 def test_only_named_inputs_change_and_what_is_at_its_best_already_stays(rockers):
@@ -293,7 +293,7 @@ def test_a_least_greatest_value_is_at_the_vertex_of_its_pieces():
     vertex = np.linalg.solve([[4.0, 1.0], [3.0, -2.0]], [2.1, 0.2])
     assert found.outcome is Outcome.CONVERGED
     # SLSQP's precision is 1e-12 of the objective, the linear programs are exact on planes: 1e-9 of the ranges
-    np.testing.assert_allclose(found.point, vertex, atol=1e-9)
+    assert_allclose(found.point, vertex, atol=1e-9)
 
 
 def test_a_bent_limit_is_kept_and_named():
@@ -313,12 +313,12 @@ def test_a_bent_limit_is_kept_and_named():
 
 def test_ends_of_inputs_are_named_and_where_nothing_can_be_gained_the_start_stays():
     found = descend(task(lambda x: [x[0] - x[1]], lambda x: [[1.0, -1.0]]), np.array([0.5, 0.5]))
-    np.testing.assert_array_equal(found.point, [0.0, 1.0])
+    assert_array_equal(found.point, [0.0, 1.0])
     assert found.ends == {(0, -1), (1, 1)}
     start = np.array([0.5, 0.25])
     found = descend(task(lambda x: [abs(x - start).sum()], lambda x: [np.sign(x - start + 1e-300)]), start)
     assert found.outcome is Outcome.NOTHING_TO_GAIN
-    np.testing.assert_array_equal(found.point, start)
+    assert_array_equal(found.point, start)
     found = descend(task(lambda x: [x[0]], lambda x: [[np.nan]]), np.array([0.5]))
     assert found.outcome is Outcome.NO_DERIVATIVE_AT_THE_START
 
@@ -371,7 +371,7 @@ NEAR = 1e-5
 
 
 def check_wells(found):
-    np.testing.assert_allclose(np.sort(found.a1), BOTTOMS, atol=NEAR)
+    assert_allclose(np.sort(found.a1), BOTTOMS, atol=NEAR)
     assert float(found.a1[0]) < float(found.a1[1])  # the deeper one first
     assert int(found.starts.sum()) > 2
     assert f"from {int(found.starts.sum())} of these to 2 different designs" in found.attrs["selection"]
@@ -384,8 +384,8 @@ def test_of_a_map_and_of_a_search():
     found = fl.best(maps, **asked, refine=True, mechanism=mine)
     check_wells(found)
     searched = fl.search(mine, space, **asked)
-    np.testing.assert_array_equal(searched.a1, found.a1)
-    np.testing.assert_array_equal(searched.starts, found.starts)
+    assert_array_equal(searched.a1, found.a1)
+    assert_array_equal(searched.starts, found.starts)
 
 
 def test_designs_of_a_front_that_are_the_same_are_told_once():

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_array_equal, assert_equal
 from tests.support.configurations import draw
 from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
@@ -57,13 +58,13 @@ def test_every_door_takes_positions_by_the_name_of_the_input(folder, mechanism, 
         swept = fl.sweep(mechanism, fl.grid(**design), [quantity], **at)
         function = fl.function(mechanism, [first], [quantity], **fixed, **at)
         assert function.shape == (len(VALUES),)
-        np.testing.assert_array_equal(swept[input], VALUES)
+        assert_array_equal(swept[input], VALUES)
         assert swept.mechanism == mechanism  # a name that `fl.sweep` takes, whatever drives
         study = written(study_of(mechanism, input, design, quantity, name))
         with fl.run(study, to=f"{name}.h5", verify=0) as result:
             found += [swept[quantity].values, function([design[first]])[0], result[quantity].values]
     for values in found[1:]:
-        np.testing.assert_array_equal(values, found[0])
+        assert_array_equal(values, found[0])
 
 
 @pytest.mark.sample(3)
@@ -127,7 +128,7 @@ def test_a_gap_among_branches_is_a_gap_in_what_depends_on_them(entry):
         found = fl.evaluate(entry.mechanism, entry.names, branch=gap, allow_invalid=True, **given)
         for name, values in found.items():
             first, second = np.broadcast_to(values, 2)
-            np.testing.assert_equal(first, modes[0][name], err_msg=name)
+            assert_equal(first, modes[0][name], err_msg=name)
             if modes[0][name] != modes[1][name]:
                 assert np.isnan(second), name
     with pytest.raises(fl.InputError):
@@ -205,9 +206,7 @@ def assert_same_alone(mechanism, variants, n, rng):
         evaluate_on_doubles(steps, together)
         for step in steps:
             for name in step.names:
-                np.testing.assert_array_equal(
-                    np.ravel(alone[name]), np.ravel(together[name]), f"{name} {values}"
-                )
+                assert_array_equal(np.ravel(alone[name]), np.ravel(together[name]), f"{name} {values}")
 
 
 @pytest.mark.sample(3)
@@ -229,7 +228,7 @@ def test_evaluate_returns_what_an_array_has(mechanism, name, inputs):
     (together,) = fl.evaluate(
         mechanism, [name], **{**inputs, next(iter(inputs)): [next(iter(inputs.values()))]}
     )[name]
-    np.testing.assert_array_equal(alone, together)
+    assert_array_equal(alone, together)
     assert not np.isfinite(alone)
 
 

@@ -53,7 +53,7 @@ def test_a_function_has_the_bits_of_a_sweep(request_name, branch):
             expected = expected.expand_dims(branch=len(branch), axis=1)
         values = expected.values
         values = values.reshape(*values.shape, *[1] * (row.ndim - values.ndim))
-        np.testing.assert_array_equal(row, np.broadcast_to(values, row.shape))
+        assert_array_equal(row, np.broadcast_to(values, row.shape))
 
 
 @pytest.mark.parametrize("request_name", REQUESTS)
@@ -62,19 +62,19 @@ def test_one_design_has_the_bits_of_many(request_name):
     function = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
     together = function(LENGTHS)
     for k in (0, 1, 2, 149):
-        np.testing.assert_array_equal(function(LENGTHS[:, k]), together[:, k])
+        assert_array_equal(function(LENGTHS[:, k]), together[:, k])
 
 
 def test_any_number_of_designs_on_any_threads_has_the_bits_of_one_call():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     many = np.tile(LENGTHS, 17)
-    np.testing.assert_array_equal(function(many), np.tile(function(LENGTHS), 17))
+    assert_array_equal(function(many), np.tile(function(LENGTHS), 17))
     assert function(np.empty((2, 0))).shape == (1, 0)
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
     expected = function(LENGTHS)
     with ThreadPoolExecutor(8) as pool:
         for k, outputs in enumerate(pool.map(lambda k: function(LENGTHS[:, k % 150]), range(1200))):
-            np.testing.assert_array_equal(outputs, expected[:, k % 150])
+            assert_array_equal(outputs, expected[:, k % 150])
 
 
 def test_impossible_values_give_nan_and_change_nothing_else():
@@ -87,16 +87,16 @@ def test_impossible_values_give_nan_and_change_nothing_else():
     for k, (row, value) in enumerate([(0, np.nan), (0, -1.0), (1, 0.0), (2, -1.0), (2, np.inf)]):
         bad[row, k] = value
     outputs = function(bad)
-    np.testing.assert_array_equal(np.isnan(outputs[0]), [True] * 5 + [False] * 2)
-    np.testing.assert_array_equal(outputs[1], [4, 4, 4, 0, 0, 0, 0])
+    assert_array_equal(np.isnan(outputs[0]), [True] * 5 + [False] * 2)
+    assert_array_equal(outputs[1], [4, 4, 4, 0, 0, 0, 0])
     assert all(np.isnan(function(bad[:, k])[0]) for k in range(5))
-    np.testing.assert_array_equal(outputs[:, 5], function(good))
+    assert_array_equal(outputs[:, 5], function(good))
 
 
 @pytest.mark.parametrize("backend", ["llvm", "numba"])
 def test_backends_have_the_same_bits(backend):
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4"], theta1=40, backend=backend, **FIXED)
-    np.testing.assert_array_equal(function(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4)
+    assert_array_equal(function(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4)
 
 
 def test_a_pickled_function_is_the_same():
@@ -105,7 +105,7 @@ def test_a_pickled_function_is_the_same():
     )
     again = pickle.loads(pickle.dumps(function))
     assert (again.inputs, again.quantities, again.shape) == (("a2", "a3"), ("shaking_force_max",), (2,))
-    np.testing.assert_array_equal(again(LENGTHS), function(LENGTHS))
+    assert_array_equal(again(LENGTHS), function(LENGTHS))
 
 
 @pytest.mark.parametrize(
@@ -219,12 +219,12 @@ FAR = ROWS * np.where(np.arange(150) == 9, 2.0**100, 1.0)
 
 def assert_jitted_has_the_bits(function):
     jitted, together = function.jitted, function(ROWS)
-    np.testing.assert_array_equal(jitted(ROWS), together)
-    np.testing.assert_array_equal(jitted(ROWS[:, 7]), together[:, 7])
-    np.testing.assert_array_equal(jitted(FAR), function(FAR))
+    assert_array_equal(jitted(ROWS), together)
+    assert_array_equal(jitted(ROWS[:, 7]), together[:, 7])
+    assert_array_equal(jitted(FAR), function(FAR))
     with ThreadPoolExecutor(4) as pool:
         for result in pool.map(lambda _: jitted(ROWS), range(40)):
-            np.testing.assert_array_equal(result, together)
+            assert_array_equal(result, together)
 
 
 @pytest.mark.stress
@@ -245,8 +245,8 @@ def test_choices_are_checked():
         "focal", ["completion", "b"], ["status", "m", "grashof_excess"], a=5.0, c=2.0, d=4.0, rho=1.0
     )
     x = np.array([[1.0, 2.0, 9.0, 1.5], [5.0] * 4])
-    np.testing.assert_array_equal(function.jitted(x), function(x))
-    np.testing.assert_array_equal(np.isnan(function(x)[1]), [False, False, True, True])
+    assert_array_equal(function.jitted(x), function(x))
+    assert_array_equal(np.isnan(function(x)[1]), [False, False, True, True])
 
 
 def test_a_design_loop_in_numba_and_rows_that_it_has_not():

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
@@ -33,7 +34,7 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
     values = np.array(COLUMNS[name])
     found = sweep_4r(fl.table({name: values} | {k: v for k, v in GIVEN.items() if k != name}), OUTPUTS)
     meanings = found.status.attrs["flag_meanings"].split()
-    np.testing.assert_array_equal(found.status == meanings.index("beyond_range"), FAR)
+    assert_array_equal(found.status == meanings.index("beyond_range"), FAR)
     assert found.attrs["designs_beyond_range"] == 2
     for output in ("F32_max", "omega4_max", "P_x_max"):
         assert np.isnan(found[output].values[FAR]).all()
@@ -43,19 +44,19 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
     for k, value in enumerate(values):
         one = sweep_4r(GIVEN | {name: float(value)}, OUTPUTS, allow_invalid=True)
         for output in OUTPUTS:
-            np.testing.assert_array_equal(found[output].values[k], one[output].values, err_msg=output)
+            assert_array_equal(found[output].values[k], one[output].values, err_msg=output)
         numbers = ["status", "F32_max", "omega4_max", "P_x_max"]
         rows = dict(zip(OUTPUTS, function(values[k : k + 1]), strict=True))
         for output in numbers:
-            np.testing.assert_array_equal(rows[output], one[output].values + np.zeros(2), err_msg=output)
-        np.testing.assert_array_equal(function(values[None])[:, k], function(values[k : k + 1]))
+            assert_array_equal(rows[output], one[output].values + np.zeros(2), err_msg=output)
+        assert_array_equal(function(values[None])[:, k], function(values[k : k + 1]))
         if FAR[k]:
             with pytest.raises(InputError, match=r"write (0 or )?a magnitude (of|below)"):
                 sweep_4r(GIVEN | {name: float(value)}, OUTPUTS)
     given = {"theta1": 1.0, **GIVEN, name: values}
     allowed = fl.evaluate("planar_4r", ["status", "F32"], allow_invalid=True, **given)
-    np.testing.assert_array_equal(allowed["status"], found.status)
-    np.testing.assert_array_equal(np.isnan(allowed["F32"]), found.status != 0)
+    assert_array_equal(allowed["status"], found.status)
+    assert_array_equal(np.isnan(allowed["F32"]), found.status != 0)
     with pytest.raises(InputError, match=rf"{name}\[1\] is .* a magnitude (of|below) .*allow_invalid=True"):
         fl.evaluate("planar_4r", ["status"], **given)
 
@@ -64,10 +65,10 @@ def test_axes_columns_by_number_and_fixed_values():
     speeds = [1e-100, 1.0, 2.0]
     swept = sweep_4r(fl.grid(**DESIGN | {"omega1": speeds}), ["omega4_max"])
     assert "scaling_axis" not in swept.attrs
-    np.testing.assert_array_equal(np.isnan(swept.omega4_max).all("branch"), [True, False, False])
+    assert_array_equal(np.isnan(swept.omega4_max).all("branch"), [True, False, False])
     sampled = fl.sobol(a2=(1.0, 2.0**82), n=64, seed=1, **{k: v for k, v in DESIGN.items() if k != "a2"})
     found = sweep_4r(sampled, ["omega4_max"])
-    np.testing.assert_array_equal(found.status == 6, found.a2 >= MOST)
+    assert_array_equal(found.status == 6, found.a2 >= MOST)
     with pytest.raises(InputError, match=r"a1 is 1e-200 .*write a magnitude of 8.3e-25 to 1.2e\+24 m"):
         fl.function("planar_4r", ["a2"], ["omega4_max"], a1=1e-200, a3=0.8, a4=1.0, omega1=25.0)
     with pytest.raises(InputError, match=r"links: density is 1e\+100"):

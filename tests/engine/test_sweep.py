@@ -44,7 +44,7 @@ def test_dimensions_are_the_swept_ones_then_branch_then_theta1():
     assert result.theta4.dims == ("a2", "a3", "branch", "theta1")
     assert result.status.dims == ("a2", "a3")
     assert result.sizes == {"a2": 13, "a3": 11, "branch": 2, "theta1": 45}
-    np.testing.assert_array_equal(result.theta1, np.arange(45) * (2 * np.pi / 45))
+    assert_array_equal(result.theta1, np.arange(45) * (2 * np.pi / 45))
     assert result.theta4.attrs["units"] == "rad"
     assert result.theta1_at_omega4_max.attrs["units"] == "rad"
     assert result.omega4_max.attrs["references"] == "Hayes, Hninn, Irani, eq. (7)"
@@ -102,18 +102,18 @@ def test_what_does_not_assemble_is_nan_and_alters_no_extreme():
     assert int(never.sum()) > 10
     folded = (result.status == 3) & (result.theta1 == 0.0)
     assert bool(folded.any())
-    np.testing.assert_array_equal(np.isfinite(result.T41), closes & ~folded)
+    assert_array_equal(np.isfinite(result.T41), closes & ~folded)
     curves = sweep_4r(MIXED, ["omega4", "transmission_angle", "shaking_force"], links=BARS, theta1=45)
     for name, expected in {
         "omega4_max": curves.omega4.max("theta1"),
         "transmission_angle_min": curves.transmission_angle.min("theta1"),
     }.items():
-        np.testing.assert_array_equal(result[name], expected)
+        assert_array_equal(result[name], expected)
     at = curves.theta1[curves.omega4.fillna(-np.inf).argmax("theta1")].where(~never)
-    np.testing.assert_array_equal(result.theta1_at_omega4_max, at)
+    assert_array_equal(result.theta1_at_omega4_max, at)
     # 45 squares summed in another order: 45 roundings at most.
     rms = np.sqrt((curves.shaking_force**2).mean("theta1"))
-    np.testing.assert_allclose(result.shaking_force_rms, rms, rtol=45 * UNIT_ROUNDING)
+    assert_allclose(result.shaking_force_rms, rms, rtol=45 * UNIT_ROUNDING)
 
 
 def bits(values):
@@ -167,9 +167,7 @@ def test_the_plain_facts_have_the_bits_of_the_compiled_ones():
         theta1=swept.theta1,
     )
     for name in names:
-        np.testing.assert_array_equal(
-            swept[name].values, plain[name].transpose(*swept[name].dims).values, err_msg=name
-        )
+        assert_array_equal(swept[name].values, plain[name].transpose(*swept[name].dims).values, err_msg=name)
 
 
 def test_mass_data_of_the_design_replace_those_of_the_model():

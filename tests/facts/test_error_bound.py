@@ -7,6 +7,7 @@ from operator import mul, truediv
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support import configurations
 from tests.support.configurations import LENGTHS, PLANAR, lengths_and_angles
 from tests.support.precision import Truth, in_every_mode, plain
@@ -216,9 +217,9 @@ def test_compiled_bounds_have_the_bits_of_plain_ones(name, swept):
     found = fl.evaluate(name, [*names, *judged], branch=np.array([1, 2])[:, None], **given)
     for quantity in judged:
         expected = result[quantity].broadcast_like(result[first]).transpose(*result[first].dims)
-        np.testing.assert_array_equal(found[quantity], expected)
+        assert_array_equal(found[quantity], expected)
     greatest = np.nanmax(found[f"{first}_error"], axis=2)
-    np.testing.assert_array_equal(result[f"{first}_error_max"], greatest)
+    assert_array_equal(result[f"{first}_error_max"], greatest)
 
 
 def test_bounds_have_labels(swept):
@@ -239,7 +240,7 @@ def test_trust_tells_where_digits_are_known(swept):
         for quantity in SWEPT[name][2]:
             value, error, code = (result[f"{quantity}{x}"].values for x in ("", "_error", "_trust"))
             expected = np.where(error <= 1e-6 * np.abs(value), 0, 1)
-            np.testing.assert_array_equal(code, np.where(np.isfinite(value), expected, 2))
+            assert_array_equal(code, np.where(np.isfinite(value), expected, 2))
     # a residual is nothing but rounding
     lengths = {"a1": 0.3, "a2": 1.2, "a3": 0.8, "a4": 1.0}
     assert (
@@ -295,7 +296,7 @@ def test_bounds_scale_with_the_lengths(power):
     ]
     one, other = ([values[name] for name in names] for values in found)
     # what is added to keep roots from zero, 2^-1000 of squares of ratios, is below all roundings
-    np.testing.assert_array_equal(other, one * 2.0**factors)
+    assert_array_equal(other, one * 2.0**factors)
 
 
 @pytest.mark.parametrize("name", NAMES)

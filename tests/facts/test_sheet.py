@@ -92,7 +92,7 @@ def test_a_sheet_of_every_construct_is_declared_in_full(made):
     assert [*made.inputs] == ["a", "b", "mode", "omega"]
     assert [*made.public] == ["reach", "P_x", "P_y", "reach_max", "class_"]
     assert [name for name, fact in made.facts.items() if fact.internal] == [
-        *("d_s_d_theta", "sum", "exact", "exact_low"),
+        *("d_s_d_theta", "sum", "exact", "exact_low")
     ]
     assert made.facts["reach"].symbol == "r_{max}"
     assert made.facts["sum"].meaning == "Sum of all lengths, of which the meaning goes on"

@@ -307,9 +307,7 @@ DOORS = [
         )
     ),
     _door(
-        f"fl.planar.curve_straightness({CURVE}, theta1=None, branch=1, samples=16)",
-        **MODES,
-        theta1="range",
+        f"fl.planar.curve_straightness({CURVE}, theta1=None, branch=1, samples=16)", **MODES, theta1="range"
     ),
     *(
         _door(f"fl.{package}({x})", **_roles("curve", "x y"))

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from pyarrow import parquet
 from tests.support.map_files import digest, left_in, raising
 from tests.support.refusals import refused
@@ -89,7 +89,7 @@ def assert_same(one, other):
     }
     for name, array in other.variables.items():
         for key, value in array.attrs.items():
-            np.testing.assert_array_equal(one[name].attrs[key], value)
+            assert_array_equal(one[name].attrs[key], value)
 
 
 @pytest.mark.sample(1)
@@ -195,7 +195,7 @@ def test_a_workbook_has_the_numbers_and_says_what_they_are(tmp_path):
     table = pd.read_excel(path)
     assert table.a1.tolist() == [0.4, 0.9]
     # a rate is infinite at a toggle, which Excel has no number for
-    np.testing.assert_allclose(table.omega4_max.astype(float), maps.omega4_max, rtol=1e-15)
+    assert_allclose(table.omega4_max.astype(float), maps.omega4_max, rtol=1e-15)
     about = pd.read_excel(path, sheet_name="columns", index_col=0)
     assert about.units["omega4_max"] == "rad s-1"
     assert about.meaning["omega4_max"] == maps.omega4_max.attrs["long_name"]

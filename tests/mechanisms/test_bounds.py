@@ -4,6 +4,7 @@ import contextlib
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support.extremes import SEARCHED, bounded_extremes
 from tests.support.neighbourhoods import DRAWN
 from tests.support.sweeps import sweep_4r
@@ -191,8 +192,8 @@ def test_sweeps_know_small_angles_too():
     names = ["omega4_error", "omega4_trust", "theta1_low_error", "omega4_error_max", "d_A_y_d_a1_error"]
     maps = fl.sweep("planar_4r", linkage, names, theta1=angles, extrema="sampled", branch=1)
     for name in ("omega4_error", "d_A_y_d_a1_error"):
-        np.testing.assert_array_equal(np.isinf(maps[name].squeeze()), [False, True, True, False, False])
-    np.testing.assert_array_equal(maps["omega4_trust"].squeeze(), [0, 1, 1, 0, 0])
+        assert_array_equal(np.isinf(maps[name].squeeze()), [False, True, True, False, False])
+    assert_array_equal(maps["omega4_trust"].squeeze(), [0, 1, 1, 0, 0])
     assert np.isinf(maps["omega4_error_max"]).all()
     assert not np.isinf(maps["theta1_low_error"]).any()  # it belongs to the design
 
@@ -217,7 +218,7 @@ def test_a_gap_that_counts_as_zero_is_in_the_bound():
     assert np.isfinite(found["omega4_max"]).all()
     for name in ("omega4_max", "theta4_max"):
         assert (found[f"{name}_error"] == np.inf).all()
-    np.testing.assert_array_equal(np.isnan(found["omega4_extrema"]), np.isnan(found["omega4_extrema_error"]))
+    assert_array_equal(np.isnan(found["omega4_extrema"]), np.isnan(found["omega4_extrema_error"]))
     assert (found["omega4_extrema_error"].max("extremum") == np.inf).any()
 
 

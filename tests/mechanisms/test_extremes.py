@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support.extremes import (
     QUIET,
     SEARCHED,
@@ -170,7 +171,7 @@ def test_labels_and_axes_of_errors_are_their_own_and_a_kernel_computes_them_on_r
     axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
     found = sweep_4r(axis, ["omega4_max", "omega4_max_error"])
     assert "scaling_axis" not in found.attrs
-    np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
+    assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
     names = ("omega4_max", "alpha4_max", "omega4_rms")
     plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
     texts = [kernel_of(program).text for program in plan.programs]
@@ -308,7 +309,7 @@ def test_designs_in_a_sweep_leave_each_other_alone():
         columns["omega1"] = np.array([(1.0, -1.0)[k] for k in rows])
         return sweep_4r(fl.table(columns), ["P_speed_min"]).P_speed_min.values[-1]
 
-    np.testing.assert_array_equal(least(40), least(0))
+    assert_array_equal(least(40), least(0))
 
 
 BARS = ("m1", "I1", "G1_u", "G1_v", "m2", "I2", "G2_u", "G2_v", "m3", "I3", "G3_u", "G3_v")

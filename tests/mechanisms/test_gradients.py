@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes, swept_4r
 from tests.support.sweeps import sweep_4r, sweep_both
 
@@ -131,7 +132,7 @@ def test_means_and_samples_change_as_differences_of_theirs():
         up, down = (swept_4r(names, (0.4, 1.2 + step, 0.8, 1.0), **options) for step in (h, -h))
         for name in names:
             difference = (up[name] - down[name]) / (2.0 * h)
-            np.testing.assert_allclose(found[f"d_{name}_d_a2"], difference, atol=1e-8, rtol=1e-8)
+            assert_allclose(found[f"d_{name}_d_a2"], difference, atol=1e-8, rtol=1e-8)
 
 
 def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
@@ -145,7 +146,7 @@ def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
 
     found = extreme("d_A_y_max_d_a")
     difference = (extreme("A_y_max", a=1.0 + h) - extreme("A_y_max", a=1.0 - h)) / (2.0 * h)
-    np.testing.assert_allclose(found, difference, rtol=1e-7)
+    assert_allclose(found, difference, rtol=1e-7)
     assert (extreme("A_y_max_gradient_status") == OF_SAMPLES).all()
 
 
@@ -159,8 +160,8 @@ def test_labels_units_and_axes_that_scale():
     axis = swept_4r(names, omega1=[1.0, 2.0])
     assert axis.attrs["scaling_axis"] == "omega1"
     for name, power in zip(names, (1, 0, 0), strict=True):
-        np.testing.assert_array_equal(axis[name][0], one[name])
-        np.testing.assert_array_equal(axis[name][1], 2**power * one[name])
+        assert_array_equal(axis[name][0], one[name])
+        assert_array_equal(axis[name][1], 2**power * one[name])
 
 
 def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone():
@@ -177,13 +178,13 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
         for name in names:
             # differences are off by a third power, 2^-34, and by roundings of 2^-52 over 2^-16
             differences = (above[name] - below[name]) / (2 * step)
-            np.testing.assert_allclose(slopes[f"d_{name}_d_{by}"], differences, rtol=1e-8, atol=1e-9)
+            assert_allclose(slopes[f"d_{name}_d_{by}"], differences, rtol=1e-8, atol=1e-9)
         assert (abs(slopes[f"d_A_y_max_d_{by}"]) > 0.1).all()
         numbers = fl.function(
             "planar_4r", [by], names, **{key: x for key, x in zip(LENGTHS, lengths, strict=True) if key != by}
         )
         of_function = numbers.gradient([lengths[place]])[:, 0]
-        np.testing.assert_array_equal(of_function, [slopes[f"d_{name}_d_{by}"][0] for name in names])
+        assert_array_equal(of_function, [slopes[f"d_{name}_d_{by}"][0] for name in names])
     # where the crank turns fully, nothing moves
     assert (swept_4r(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
     tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import draw
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r, sweep_both
@@ -119,14 +120,14 @@ def test_a_peak_is_the_greatest_magnitude(mechanism, part):
         maps = sweep_both(mechanism, fl.table(design), asked, extrema=extrema)
         for name in names:
             high, low, peak = (maps[f"{name}_{how}"].values for how in EXTREMES)
-            np.testing.assert_array_equal(peak, np.maximum(high, -low), err_msg=name)
+            assert_array_equal(peak, np.maximum(high, -low), err_msg=name)
             high_at, low_at, place = (maps[f"{at}_at_{name}_{how}"].values for how in EXTREMES)
             apart = ~(high == -low)  # where both are as great, either place is one of the peak
-            np.testing.assert_array_equal(place[apart], np.where(high > -low, high_at, low_at)[apart], name)
+            assert_array_equal(place[apart], np.where(high > -low, high_at, low_at)[apart], name)
         if has_slope:
             high, low, _ = (maps[f"{names[0]}_{how}"].values for how in EXTREMES)
             slopes = [maps[f"d_{names[0]}_{how}_d_{first}"].values for how in EXTREMES]
-            np.testing.assert_array_equal(slopes[2], np.where(high > -low, slopes[0], -slopes[1]))
+            assert_array_equal(slopes[2], np.where(high > -low, slopes[0], -slopes[1]))
 
 
 def test_a_peak_has_an_error_bound_and_is_verified():
@@ -229,7 +230,7 @@ def test_derivatives_hold_the_ends_of_the_arc():
         h = 1e-5
         ends = [sweep_4r(FOUR_BAR | arc | {by: FOUR_BAR[by] + k * h}, ["omega4_max"]) for k in (-1, 1)]
         slope = (ends[1] - ends[0]).omega4_max / (2 * h)
-        np.testing.assert_allclose(maps[f"d_omega4_max_d_{by}"], slope, rtol=1e-6)
+        assert_allclose(maps[f"d_omega4_max_d_{by}"], slope, rtol=1e-6)
 
 
 def test_the_same_at_every_door(tmp_path):
@@ -312,12 +313,10 @@ def test_travel_tells_how_far_a_link_moves_over_an_arc():
     assert (maps.theta4_travel == curve.max("theta1") - curve.min("theta1")).all()
     # the ends of the arc are positions, and the curve is monotonic: roundings of two angles
     exact = maps.theta4_max - maps.theta4_min
-    np.testing.assert_allclose(exact, maps.theta4_travel, rtol=1e-14)
+    assert_allclose(exact, maps.theta4_travel, rtol=1e-14)
     h = 1e-6
     ends = [
         sweep_4r(FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5, "a1": 0.4 + k * h}, names[:1]) for k in (-1, 1)
     ]
     # central differences: the square of h and a rounding over h
-    np.testing.assert_allclose(
-        maps.d_theta4_travel_d_a1, (ends[1] - ends[0]).theta4_travel / (2 * h), rtol=1e-8
-    )
+    assert_allclose(maps.d_theta4_travel_d_a1, (ends[1] - ends[0]).theta4_travel / (2 * h), rtol=1e-8)

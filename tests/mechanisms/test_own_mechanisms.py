@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.commands import code_blocks
 from tests.support.sweeps import sweep_both
 from typer.testing import CliRunner
@@ -74,11 +75,11 @@ def test_extremes_of_a_sheet_are_those_of_the_mechanism_that_is_built_in(tmp_pat
     differ = 0
     for name, other in theirs.items():
         one, two = known[name].values, own[other].values
-        np.testing.assert_array_equal(np.isnan(one), np.isnan(two))
+        assert_array_equal(np.isnan(one), np.isnan(two))
         finite = np.isfinite(one)
-        np.testing.assert_array_equal(one[~finite], two[~finite])
+        assert_array_equal(one[~finite], two[~finite])
         # some dozens of roundings of lengths up to 5 m, and of velocities beyond a toggle's neighbourhood
-        np.testing.assert_allclose(two[finite], one[finite], rtol=1e-12, atol=1e-12, err_msg=name)
+        assert_allclose(two[finite], one[finite], rtol=1e-12, atol=1e-12, err_msg=name)
         differ += np.count_nonzero(finite)
     assert differ > 150
 
@@ -109,7 +110,7 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
         done = CliRunner().invoke(app, line.split())
         assert done.exit_code == 0, done.output
     with fl.open("s.h5") as one, fl.open("m.h5") as other:
-        np.testing.assert_array_equal(one.psi_rate_max.values, other.psi_rate_max.values)
+        assert_array_equal(one.psi_rate_max.values, other.psi_rate_max.values)
     done = CliRunner().invoke(
         app, ["draw", "quick_return.facts", "r=0.1", "d=0.2", "e=0.02", "--to", "x.png"]
     )

@@ -11,6 +11,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support.neighbourhoods import DRAWN
 from tests.support.precision import (
     Truth,
@@ -51,7 +52,7 @@ def held(entry, kind, n):
     found = compiled(entry, entry.names, inputs)
     if entry.solver == "eliminated":  # NumPy's LU is another than that of the kernels
         for name, values in plain(entry, entry.names, inputs).items():
-            np.testing.assert_array_equal(found[name], values, err_msg=name)
+            assert_array_equal(found[name], values, err_msg=name)
     too_far_off, numbers = wrong(entry, entry.names, inputs, found)
     assert not too_far_off
     return numbers
@@ -209,6 +210,6 @@ def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
             within = np.all(np.abs(sizes) < 1000, axis=0)  # beyond, codes may say so
             for name in entry.names:
                 expected = np.ldexp(here[name][within], power * of[name])
-                np.testing.assert_array_equal(there[name][within], expected, err_msg=name)
+                assert_array_equal(there[name][within], expected, err_msg=name)
                 tested += np.count_nonzero(np.isfinite(expected))
     assert tested > 40 * len(entry.names)

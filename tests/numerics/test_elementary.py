@@ -14,6 +14,7 @@ import mpmath
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.compiled import Compiled
 
 import fastlink
@@ -34,7 +35,7 @@ def both_readings(y, x):
     compiled = ATAN2(y, x)
     with np.errstate(all="ignore"):
         plain = elementary.atan2(y, x)
-    np.testing.assert_array_equal(compiled.view(np.int64), plain.view(np.int64))
+    assert_array_equal(compiled.view(np.int64), plain.view(np.int64))
     return compiled
 
 
@@ -57,11 +58,11 @@ def test_atan2_has_signed_zeros_and_infinities_as_ieee():
     special = [0.0, -0.0, 1.0, -1.0, np.inf, -np.inf, 5e-324, -1e-310, 1e308, -1.7e308]
     y, x = (np.array(column) for column in zip(*itertools.product(special, special), strict=True))
     got, expected = both_readings(y, x), np.arctan2(y, x)
-    np.testing.assert_array_equal(np.signbit(got), np.signbit(expected))
+    assert_array_equal(np.signbit(got), np.signbit(expected))
     # 2 units of ours and 1 of the library's.
     assert np.all((np.abs(got - expected) <= 3 * np.spacing(np.abs(expected))) | (got == expected))
     exact = np.isin(expected, [0.0, np.pi, -np.pi, np.pi / 2, -np.pi / 2])
-    np.testing.assert_array_equal(got[exact], expected[exact])
+    assert_array_equal(got[exact], expected[exact])
 
 
 @pytest.mark.parametrize(("y", "x"), [(np.nan, 1.0), (1.0, np.nan), (np.nan, np.nan), (np.nan, -0.0)])
@@ -105,8 +106,8 @@ def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
     beyond = np.array([1.1e6, np.inf, -np.inf, np.nan])
     cosines, sines = DIRECTION(np.append(x, beyond))
     assert np.isnan([*cosines[-4:], *sines[-4:]]).all()
-    np.testing.assert_array_equal(cosines[:-4], elementary.cosine(x))
-    np.testing.assert_array_equal(sines[:-4], elementary.sine(x))
+    assert_array_equal(cosines[:-4], elementary.cosine(x))
+    assert_array_equal(sines[:-4], elementary.sine(x))
     with mp.workdps(40):
         for angle, c, s in zip(x, cosines, sines, strict=False):
             exact = mp.mpf(float(angle))
@@ -129,7 +130,7 @@ def both_log_readings(name, x):
     compiled = COMPILED(x)[list(FUNCTIONS).index(name)]
     with np.errstate(over="ignore"):  # of the square that is not selected
         plain = getattr(logarithm, name)(x)
-    np.testing.assert_array_equal(compiled, plain)  # NaN equals NaN here
+    assert_array_equal(compiled, plain)  # NaN equals NaN here
     return compiled
 
 
@@ -162,17 +163,17 @@ def test_special_values_are_those_of_ieee(name, library):
     with np.errstate(all="ignore"):
         expected = library(SPECIAL)
     got = both_log_readings(name, SPECIAL)
-    np.testing.assert_array_equal(np.isnan(got), np.isnan(expected))
+    assert_array_equal(np.isnan(got), np.isnan(expected))
     known = ~np.isnan(expected)
-    np.testing.assert_array_equal(np.signbit(got[known]), np.signbit(expected[known]))
+    assert_array_equal(np.signbit(got[known]), np.signbit(expected[known]))
     # 2 units of ours and 1 of the library's.
-    np.testing.assert_allclose(got[known], expected[known], rtol=6 * UNIT_ROUNDING, atol=0.0)
+    assert_allclose(got[known], expected[known], rtol=6 * UNIT_ROUNDING, atol=0.0)
 
 
 def both_quotients(x, y, twos):
     logs, signs = QUOTIENTS(x, y, twos)
-    np.testing.assert_array_equal(logs, logarithm.log_quotient(x, y, twos))
-    np.testing.assert_array_equal(signs, logarithm.quotient_sign(x, y))
+    assert_array_equal(logs, logarithm.log_quotient(x, y, twos))
+    assert_array_equal(signs, logarithm.quotient_sign(x, y))
     return logs, signs
 
 
@@ -187,7 +188,7 @@ def test_the_logarithm_of_a_quotient_is_within_three_units_in_the_last_place():
     x *= rng.choice([-1.0, 1.0], x.size)
     twos = np.where(rng.random(x.size) < 0.3, rng.integers(-(2**20), 2**20, x.size), 0) * 1.0
     logs, signs = both_quotients(x, y, twos)
-    np.testing.assert_array_equal(signs, np.sign(x))
+    assert_array_equal(signs, np.sign(x))
     with mp.workdps(40):
         for a, b, k, value in zip(x, y, twos, logs, strict=True):
             exact = mp.log(abs(mp.mpf(float(a)) / mp.mpf(float(b)))) + int(k) * mp.ln2
@@ -268,7 +269,7 @@ def rounded(function, angle):
 def assert_correctly_rounded(function, has_low, angles):
     (found,) = tables.words([(function, has_low)], angles)
     expected = np.array([rounded(function, angle) for angle in angles.tolist()]).T
-    np.testing.assert_array_equal(found[: 1 + has_low], expected[: 1 + has_low])
+    assert_array_equal(found[: 1 + has_low], expected[: 1 + has_low])
     return found[: 1 + has_low]
 
 
@@ -279,7 +280,7 @@ def test_tables_and_their_low_parts_are_correctly_rounded(function):
         known = assert_correctly_rounded(function, FUNCTIONS_TRIPLE[function][1], angles)
         for k in range(0, angles.size, 7):  # one by one they take another way
             (one,) = tables.words([(function, FUNCTIONS_TRIPLE[function][1])], angles[k : k + 1])
-            np.testing.assert_array_equal(one[: len(known), 0], known[:, k])
+            assert_array_equal(one[: len(known), 0], known[:, k])
 
 
 @pytest.mark.stress
@@ -299,7 +300,7 @@ def test_tables_do_not_depend_on_company_or_order():
     for start, stop in ((0, 1), (1, 12), (12, 200), (4000, 4500)):
         alone = tables.words(pairs[::-1], angles[start:stop][::-1].copy())[::-1]
         for one, all_ in zip(alone, together, strict=True):
-            np.testing.assert_array_equal(one[:, ::-1], all_[:, start:stop])
+            assert_array_equal(one[:, ::-1], all_[:, start:stop])
 
 
 @pytest.mark.parametrize("function", FUNCTIONS_TRIPLE, ids=[name for name, _ in FUNCTIONS_TRIPLE.values()])
@@ -394,18 +395,10 @@ EXACT = {
     "pair_product": (lambda a, a_low, b, b_low: (a + a_low) * (b + b_low), 4),
     "pair_quotient": (lambda a, a_low, b, b_low: (a + a_low) / (b + b_low), 4),
     "square_sum": (lambda a, f, f_low, b: a * a + (f + f_low) * b * b, 4),
-    "gap_product_quotient": (
-        lambda f, f_low, g, g_low, x, y: (f + f_low) * (g + g_low) / (4 * x * y),
-        6,
-    ),
+    "gap_product_quotient": (lambda f, f_low, g, g_low, x, y: (f + f_low) * (g + g_low) / (4 * x * y), 6),
 }
 #: Which arguments are low parts, roundings of those before them.
-LOW = {
-    "pair_product": (1, 3),
-    "pair_quotient": (1, 3),
-    "square_sum": (2,),
-    "gap_product_quotient": (1, 3),
-}
+LOW = {"pair_product": (1, 3), "pair_quotient": (1, 3), "square_sum": (2,), "gap_product_quotient": (1, 3)}
 
 
 def drawn(name, rng, digits):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
@@ -169,6 +170,6 @@ def test_over_given_angles_reductions_are_of_samples():
     values = swept(PARTIAL, ["omega4"], theta1=angles).omega4.values
     found = swept(PARTIAL, ["omega4_rms"], theta1=angles)
     # a rounding for each sum, of 90 positive terms
-    np.testing.assert_allclose(found.omega4_rms, np.sqrt(np.nanmean(values**2)), rtol=90 * 2.0**-53)
+    assert_allclose(found.omega4_rms, np.sqrt(np.nanmean(values**2)), rtol=90 * 2.0**-53)
     same = swept(PARTIAL, ["omega4_rms"], extrema="sampled")
-    np.testing.assert_array_equal(found.omega4_rms, same.omega4_rms)
+    assert_array_equal(found.omega4_rms, same.omega4_rms)

@@ -5,6 +5,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import PLANAR, masses_and_points
 from tests.support.precision import in_every_mode, plain, wrong
 from tests.support.registry import ENTRIES
@@ -93,7 +94,7 @@ def test_the_same_designs_give_the_same_errors_and_bits_do_not_depend_on_them():
     first, second = (sweep_4r(space, ["omega4_max"], verify=10, block=b) for b in (None, 7))
     assert errors(first) == errors(second)
     without = sweep_4r(space, ["omega4_max"])
-    np.testing.assert_array_equal(first.omega4_max, without.omega4_max)
+    assert_array_equal(first.omega4_max, without.omega4_max)
 
 
 def spoil(monkeypatch, change):
@@ -281,7 +282,7 @@ def test_only_true_changes_of_sign_are_cells_with_an_extreme():
     noisy = true.copy()
     noisy[0, 0, 2:9] = rng.choice([-1.0, 0.0, 1.0], 7)
     turning, signs = turning_cells(noisy, np.zeros((1, 2, 19), bool), lambda *at: true[at])
-    np.testing.assert_array_equal(turning, true[..., 1:] != true[..., :-1])
+    assert_array_equal(turning, true[..., 1:] != true[..., :-1])
     assert (signs[turning.nonzero()] == true[turning.nonzero()]).all()
 
 
@@ -310,7 +311,7 @@ def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
         for name in ("T41", "shaking_force"):
             exact = inner(name, designs, branch)[0]
             count = found.sel(branch=branch)[f"{name}_extrema_count"]
-            np.testing.assert_array_equal(count, [len(each) for each in exact])
+            assert_array_equal(count, [len(each) for each in exact])
     listed = found["T41_extrema"].values
     assert (abs(listed[np.isfinite(listed)]) > 1e-3).all()
 
@@ -358,4 +359,4 @@ def test_any_position_has_the_digits_of_others(entry):
     assert not too_far_off
     assert numbers > positions.size * len(names) // 8
     for name in names:  # of products with the least position no digit is left; and pi is -pi
-        np.testing.assert_allclose(abs(least[name]), abs(zero[name]), rtol=0, atol=1e-300, err_msg=name)
+        assert_allclose(abs(least[name]), abs(zero[name]), rtol=0, atol=1e-300, err_msg=name)

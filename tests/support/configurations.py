@@ -103,10 +103,7 @@ def designs(kind: str, rng: np.random.Generator, n: int) -> np.ndarray:
 
 
 def reference(
-    names: list[str],
-    inputs: dict[str, Any],
-    variants: tuple[str, ...] = (),
-    catalogue: Catalogue = PLANAR,
+    names: list[str], inputs: dict[str, Any], variants: tuple[str, ...] = (), catalogue: Catalogue = PLANAR
 ) -> dict[str, Any]:
     """Return the facts of one configuration with 50 digits."""
     found = HighPrecision(catalogue, names, inputs, variants).at(inputs)
@@ -114,10 +111,7 @@ def reference(
 
 
 def condition_sums(
-    names: list[str],
-    inputs: dict[str, Any],
-    variants: tuple[str, ...] = (),
-    catalogue: Catalogue = PLANAR,
+    names: list[str], inputs: dict[str, Any], variants: tuple[str, ...] = (), catalogue: Catalogue = PLANAR
 ) -> dict[str, Any]:
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
     facts = HighPrecision(catalogue, names, inputs, variants)

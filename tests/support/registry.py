@@ -12,11 +12,7 @@ import numpy as np
 from fastlink.facts.catalogue import Catalogue
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from tests.support import (
-    configurations,
-    focal_configurations,
-    hart_configurations,
-)
+from tests.support import configurations, focal_configurations, hart_configurations
 
 #: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
 #: by name. Of modes that are left out all are tested, without a position what belongs to a design alone.

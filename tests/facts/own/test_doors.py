@@ -8,6 +8,7 @@ import sys
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 from typer.testing import CliRunner
 
@@ -137,7 +138,7 @@ def test_tolerances_of_own_quantities_come_from_the_derivatives_of_a_map(made, m
     assert list(found.data_vars) == list(swept.data_vars)
     for name, expected in swept.data_vars.items():
         # roots of sums of squares are taken by another routine: a rounding for each of two terms, at both
-        np.testing.assert_allclose(found[name], expected, rtol=4 * 2.0**-52 if "rss" in name else 0.0)
+        assert_allclose(found[name], expected, rtol=4 * 2.0**-52 if "rss" in name else 0.0)
         assert found[name].attrs["long_name"] == expected.attrs["long_name"]
     parts = found.cost_max_contribution.sum("toleranced").values
     errors = []
@@ -202,7 +203,7 @@ def test_a_study_alone_runs_no_code(study, tmp_path):
 
 def test_a_trusted_study_has_its_own_quantities(study, tmp_path):
     with fl.run(study, to="maps.h5", trust_code=True) as maps:
-        np.testing.assert_array_equal(maps.weighted_max, 2.0 * maps.transmission_angle_max)
+        assert_array_equal(maps.weighted_max, 2.0 * maps.transmission_angle_max)
         assert "def weighted" in maps.attrs["own_quantities"]
         assert maps.attrs["study"] == STUDY
     (tmp_path / "ran").unlink()

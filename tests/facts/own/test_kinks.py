@@ -4,6 +4,7 @@ from math import tan
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_equal
 from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
@@ -288,7 +289,7 @@ def test_turns_of_what_is_made_of_angles(text, turns):
     graph = GraphAsWritten((sine, cosine))
     root = graph.read(Formula("f", ("x", "y", "z"), [f"return {text}"]), [*map(graph.name, "xyz")])
     found = winding(beneath([root]), lambda name: {name: 1.0} if name in "xy" else {})
-    np.testing.assert_equal(found, turns)
+    assert_equal(found, turns)
 
 
 # == Quantities that pass infinity: their greatest and least values are infinite, wherever what divides them vanishes
@@ -390,11 +391,11 @@ def test_places_bounds_and_lists_beside_poles():
     assert (found.even_extrema.min("extremum") == found.even_min).all()
     # a divisor of what it stands beside leaves no pole
     for name in ("with_limit_max", "undone_max"):
-        np.testing.assert_allclose(found[name], found.omega4_max, rtol=1e-14)
+        assert_allclose(found[name], found.omega4_max, rtol=1e-14)
     assert np.isposinf(found.slope_of_output_peak).all()
     arc = sweep_both(planar, design | {"arc_start": 0.5, "arc_end": 1.5}, names[:1]).torque_ratio_max
     dense = sweep_both(planar, design, ["torque_ratio"], angles=np.linspace(0.5, 1.5, 4001))
-    np.testing.assert_allclose(arc, dense.torque_ratio.max("theta1"), rtol=1e-5)
+    assert_allclose(arc, dense.torque_ratio.max("theta1"), rtol=1e-5)
 
 
 def test_poles_of_the_slider_crank_and_where_the_centre_is():
@@ -431,6 +432,6 @@ def test_centres_of_the_planar_4r_are_where_the_links_meet():
     assert float(abs(at.A_x * y - at.A_y * x).max() / scale.max()) < 1e-14
     assert float((abs((at.B_x - 1.0) * y - at.B_y * (x - 1.0)) / scale**2).max()) < 1e-13
     crossing = at.A_x - at.A_y * (at.B_x - at.A_x) / (at.B_y - at.A_y)
-    np.testing.assert_allclose(at.relative_centre_x, crossing, rtol=1e-11)
+    assert_allclose(at.relative_centre_x, crossing, rtol=1e-11)
     # each is rounded on its own, and cancels next to where the output link rests
-    np.testing.assert_allclose(at.mechanical_advantage * at.omega4, 25.0, rtol=1e-13)
+    assert_allclose(at.mechanical_advantage * at.omega4, 25.0, rtol=1e-13)

@@ -6,6 +6,7 @@ from pathlib import Path
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.focal_designs import FACTS, FOCAL, GIVEN, LENGTHS, NUMBERS, facts, random_designs
 
 import fastlink as fl
@@ -95,7 +96,7 @@ def test_change_points_and_equal_completions_are_told_as_such_and_every_status_i
     one, other = (facts({name: [value] for name, value in BOUNDARIES[0][1].items()}, k) for k in (1.0, 2.0))
     for name in FACTS:
         # S/d and c/S are two roundings off one number, of which lambda is made
-        np.testing.assert_allclose(one[name], other[name], rtol=16 * UNIT_ROUNDING, err_msg=name)
+        assert_allclose(one[name], other[name], rtol=16 * UNIT_ROUNDING, err_msg=name)
     assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values()) - {"beyond_range"}
 
 
@@ -152,11 +153,11 @@ def test_the_last_bit_decides_whether_there_is_a_completion(given):
     names = [name for name in ("lambda_", *BARS, "r", "FT") if name != given]
     for completion in (1, 2):
         found = fl.evaluate("focal", ["status", *names], **design, completion=completion, phi=1.0, branch=1)
-        np.testing.assert_array_equal(
+        assert_array_equal(
             found["status"], np.where(exist, CODES["completed"], CODES["no_real_lambda_or_rho"])
         )
         for name in names:
-            np.testing.assert_array_equal(np.isfinite(found[name]), exist)
+            assert_array_equal(np.isfinite(found[name]), exist)
     assert 0.2 < np.mean(exist) < 0.8
     assert len(exist) > 200
 

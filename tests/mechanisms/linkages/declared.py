@@ -17,10 +17,7 @@ FOUR_BAR = fl.linkage(
     "four_bar",
     ground={"O": (0, 0), "D": ("a4", 0)},
     crank={"A": ("O", "a1")},
-    dyads={
-        "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
-        "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
-    },
+    dyads={"B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")}, "P": {"on": ("A", "B"), "at": ("P_u", "P_v")}},
     masses=numbered(OA=1, AB=2, DB=3),
     loads={"P": ("FP_x", "FP_y"), "DB": "T_load"},
     gravity=("gravity_x", "gravity_y"),

@@ -4,6 +4,7 @@ import contextlib
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support.neighbourhoods import minkowski_4r
 
 import fastlink as fl
@@ -54,7 +55,7 @@ def test_the_loop_closes_at_any_rapidity(size):
         far = evaluated([*names, "configuration_status", "A_x"], sign * size, **design)
         assert (far["configuration_status"] == BEYOND).all()  # e^720 is
         assert np.isnan(far["A_x"]).all()
-        np.testing.assert_array_equal(far["CB_orientation"], near["CB_orientation"])
+        assert_array_equal(far["CB_orientation"], near["CB_orientation"])
         assert (abs(far["dpsi_dtheta"] - near["dpsi_dtheta"]) <= np.exp(-290.0)).all()
         for name in names[:2]:
             slope = np.rint(near[name] / (sign * 300.0))
@@ -164,6 +165,6 @@ def test_what_is_no_finite_number_has_a_flag_and_each_flag_a_cause(seed):
         there = np.isfinite(found[name]) | beyond.get(name, False)
         assert there[np.isin(code, (CLOSES, WITHOUT_ZETA, 8, 9))].all(), name
     closed = (code == CLOSES) | (code >= WITHOUT_ZETA)
-    np.testing.assert_array_equal(np.isnan(found["zeta"][closed]), inside[closed])
+    assert_array_equal(np.isnan(found["zeta"][closed]), inside[closed])
     assert (found["cosh_zeta"][inside] <= -1.0).all()
     assert (found["half_angle_root"][code >= 8] == np.inf).all()

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
 from flint.utils.flint_exceptions import DomainError
+from numpy.testing import assert_allclose
 from tests.mechanisms.test_extremes import near_cusps
 from tests.support.configurations import LENGTHS
 from tests.support.neighbourhoods import folded_planar_4r
@@ -746,5 +747,5 @@ def test_angles_of_a_kite_come_to_their_limits_at_the_fold():
     found = sweep_4r(space, ["theta4_max", "theta4_min", "theta2_max", "theta2_min"])
     for name in ("theta4", "theta2"):
         # half-turns to the last bit: pi is rounded, and so is the angle next to it
-        np.testing.assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)
-        np.testing.assert_allclose(found[f"{name}_min"], [-np.pi, 0.0], atol=2.0**-51)
+        assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)
+        assert_allclose(found[f"{name}_min"], [-np.pi, 0.0], atol=2.0**-51)
