@@ -1,11 +1,10 @@
 """Greatest and least values of what chooses, takes sizes or magnitudes: none of dense samples is beyond them."""
 
-from math import tan
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_equal
 from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.toys import declare_all
 
 import fastlink as fl
 from fastlink.facts.expression import GraphAsWritten, beneath, generate_formula, winding
@@ -16,27 +15,24 @@ from fastlink.numerics.vectors import absolute, choice
 
 FUNCTIONS = (absolute, choice)
 mine = fl.extend("planar_4r")
-
-
-@mine.quantity(units="N")
-def lesser(F21, F41):
-    return min(F21, F41)
-
-
-@mine.quantity(units="N")
-def apart(F21, F41):
-    return abs(F21 - 2 * F41)
+declare_all(
+    mine,
+    {
+        "lesser(F21, F41)": ("N", "min(F21, F41)"),
+        "apart(F21, F41)": ("N", "abs(F21 - 2 * F41)"),
+        "drag(omega2, omega4)": ("rad2 s-2", "1e6 * omega4 * abs(omega4) - omega2 * abs(omega2)"),
+        "lower(omega2, omega4)": ("rad s-1", "min(omega2, 1e3 * abs(omega4))"),
+        # two kinks in one place
+        "wide(omega2, omega4)": ("rad s-1", "max(omega2, omega4) - min(omega4, omega2)"),
+        "joint(F32_x, F32_y, F21)": ("N", "np.hypot(F32_x, F32_y) + F21"),
+    },
+)
 
 
 @mine.quantity(units="N")
 def nested(lesser, F32_x, F32_y):
     size = np.hypot(F32_x, F32_y)
     return max(lesser, size / 2) - min(size, lesser)
-
-
-@mine.quantity(units="N")
-def joint(F32_x, F32_y, F21):
-    return np.hypot(F32_x, F32_y) + F21
 
 
 BARS = fl.round_bar(density=7750.0, radius=0.01)
@@ -75,21 +71,6 @@ def test_none_of_dense_samples_is_beyond_an_extreme():
 def test_a_magnitude_that_nothing_else_computes_is_searched():
     """Its slope is multiplied by it, and neither the slope nor the quantity is computed from it by its name."""
     check(["joint_min", "joint_max"], 4, 2001)
-
-
-@mine.quantity(units="rad2 s-2")
-def drag(omega2, omega4):
-    return 1e6 * omega4 * abs(omega4) - omega2 * abs(omega2)
-
-
-@mine.quantity(units="rad s-1")
-def lower(omega2, omega4):
-    return min(omega2, 1e3 * abs(omega4))
-
-
-@mine.quantity(units="rad s-1")
-def wide(omega2, omega4):
-    return max(omega2, omega4) - min(omega4, omega2)  # two kinks in one place
 
 
 @pytest.mark.sample(1)
@@ -147,51 +128,27 @@ def test_a_text_is_split_at_its_kinks():
 planar = fl.extend("planar_4r")
 slider = fl.extend("slider_crank")
 hart = fl.extend("hart")
-
-
-@planar.quantity(units="rad")
-def turned_by(theta4, theta2):
-    return theta4 - 2 * theta2
-
-
-@planar.quantity(units="1")
-def of_half(theta2):
-    return np.sin(theta2 / 2)
-
-
-@planar.quantity(units="m")
-def unrolled(theta4, a3, theta1):
-    return a3 * theta4 * np.cos(theta1)
-
-
-@planar.quantity(units="rad")
-def larger(theta4, turned_by):
-    return max(theta4, 0.3 * turned_by)
-
-
-@planar.quantity(units="N")
-def lowest(F21_y, F43_y):
-    return min(F21_y, F43_y)
-
-
-@planar.quantity(units="rad")
-def ahead(theta4, theta1):
-    return theta4 - theta1
-
-
-@planar.quantity(units="1")
-def periodic(theta4, theta1):
-    return np.cos(theta4 - 2 * theta1)
-
-
-@slider.quantity(units="rad")
-def twice(theta2):
-    return 2 * theta2 + 0.1
-
-
-@hart.quantity(units="rad")
-def shifted(psi):
-    return 0.5 - psi / 3
+declare_all(
+    planar,
+    {
+        "turned_by(theta4, theta2)": ("rad", "theta4 - 2 * theta2"),
+        "of_half(theta2)": ("1", "np.sin(theta2 / 2)"),
+        "unrolled(theta4, a3, theta1)": ("m", "a3 * theta4 * np.cos(theta1)"),
+        "larger(theta4, turned_by)": ("rad", "max(theta4, 0.3 * turned_by)"),
+        "lowest(F21_y, F43_y)": ("N", "min(F21_y, F43_y)"),
+        "ahead(theta4, theta1)": ("rad", "theta4 - theta1"),
+        "periodic(theta4, theta1)": ("1", "np.cos(theta4 - 2 * theta1)"),
+        "torque_ratio(omega1, omega4)": ("1", "omega1 / omega4"),
+        "even(omega4)": ("s2", "1.0 / (omega4 * omega4)"),
+        "slope_of_output(theta4)": ("1", "math.tan(theta4)"),
+        "over_height(A_y)": ("m-1", "1.0 / A_y"),
+        "with_limit(A_y, omega4)": ("rad s-1", "A_y * omega4 / A_y"),
+        "within(torque_ratio)": ("1", "1.0 + torque_ratio"),
+        "undone(omega1, torque_ratio)": ("rad s-1", "omega1 / torque_ratio"),
+    },
+)
+declare_all(slider, {"twice(theta2)": ("rad", "2 * theta2 + 0.1")})
+declare_all(hart, {"shifted(psi)": ("rad", "0.5 - psi / 3")})
 
 
 RANGES = {"a1": (0.2, 2.5), "a2": (0.5, 2.5), "a3": (0.5, 2.5), "a4": (0.3, 1.5)}
@@ -293,41 +250,6 @@ def test_turns_of_what_is_made_of_angles(text, turns):
 
 
 # == Quantities that pass infinity: their greatest and least values are infinite, wherever what divides them vanishes
-
-
-@planar.quantity(units="1", description="Torque on the output link over that on the crank", symbol="m")
-def torque_ratio(omega1, omega4):
-    return omega1 / omega4
-
-
-@planar.quantity(units="s2", description="Even pole", symbol="e")
-def even(omega4):
-    return 1.0 / (omega4 * omega4)
-
-
-@planar.quantity(units="1", description="Poles of a tangent", symbol="t")
-def slope_of_output(theta4):
-    return tan(theta4)
-
-
-@planar.quantity(units="m-1", description="Pole in line with the ground", symbol="g")
-def over_height(A_y):
-    return 1.0 / A_y
-
-
-@planar.quantity(units="rad s-1", description="A quotient with a limit", symbol="l")
-def with_limit(A_y, omega4):
-    return A_y * omega4 / A_y
-
-
-@planar.quantity(units="1", description="A quotient of a quotient", symbol="q")
-def within(torque_ratio):
-    return 1.0 + torque_ratio
-
-
-@planar.quantity(units="rad s-1", description="Pole where the other has none", symbol="n")
-def undone(omega1, torque_ratio):
-    return omega1 / torque_ratio
 
 
 #: What vanishes where each may be infinite, whether it is of one sign on both sides, and the built-in quantities.
