@@ -42,7 +42,16 @@ NAMES = [f"{name}_{how}" for name in ("lesser", "apart", "nested") for how in ("
 KNOWN = {"a1": [0.25050164, 0.499595358], "a2": [1.25901682, 0.969889661], "a3": [0.51193397, 1.085353234]}
 
 
-def check(names, count, samples, bounds=True):
+@pytest.mark.parametrize(
+    ("names", "count", "samples", "bounds"),
+    [
+        ([*NAMES[:2], "apart_min"], 12, 8001, False),
+        # its slope is multiplied by it, and neither the slope nor the quantity is computed from it by its name
+        pytest.param(["joint_min", "joint_max"], 4, 2001, True, marks=pytest.mark.stress),
+        pytest.param(NAMES, 1000, 8001, True, marks=pytest.mark.stress),
+    ],
+)
+def test_none_of_dense_samples_is_beyond_an_extreme(names, count, samples, bounds):
     space = fl.sobol(count, {"a1": (0.1, 0.5), "a2": (0.8, 1.3), "a3": (0.5, 1.2)}, seed=7)
     columns = {name: np.append(values, KNOWN[name]) for name, values in space.at(np.arange(count)).items()}
     designs = fl.table(columns).with_constants({"a4": 1.0, "omega1": 25.0})
@@ -61,16 +70,6 @@ def check(names, count, samples, bounds=True):
         off = 2.0 * maps[f"{name}_error"] if bounds else 1e-10 * abs(curves[quantity]).max("theta1")
         beyond = best - sign * maps[name] - off
         assert not (beyond > 0.0).any(), (name, np.argwhere((beyond > 0.0).values))
-
-
-def test_none_of_dense_samples_is_beyond_an_extreme():
-    check([*NAMES[:2], "apart_min"], 12, 8001, bounds=False)
-
-
-@pytest.mark.stress
-def test_a_magnitude_that_nothing_else_computes_is_searched():
-    """Its slope is multiplied by it, and neither the slope nor the quantity is computed from it by its name."""
-    check(["joint_min", "joint_max"], 4, 2001)
 
 
 @pytest.mark.sample(1)
@@ -92,11 +91,6 @@ def test_lists_hold_the_extremes_beside_kinks(name):
         rises = np.sign(np.diff(values, append=values[0]))
         rises = rises[rises != 0.0]
         assert maps[f"{name}_extrema_count"][k] == (rises != np.roll(rises, 1)).sum(), k
-
-
-@pytest.mark.stress
-def test_none_of_many_is_beyond_an_extreme():
-    check(NAMES, 1000, 8001)
 
 
 def values_of(parameters, *lines, kinked=()):

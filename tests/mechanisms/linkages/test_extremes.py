@@ -68,10 +68,22 @@ def agree(one, off, other, error):
         return (one == other) | (np.isnan(one) & np.isnan(other)) | (abs(one - other) <= off + error)
 
 
-def compare(mechanism, count, seed, names=()):
-    """Compare extremes with those of a mechanism that is exact next to change points."""
+#: Numbers of designs and seeds, in a run and in a long one.
+COUNTS = [(300, 1), *(pytest.param(20_000, seed, marks=pytest.mark.stress) for seed in range(2, 7))]
+#: What is compared in a run; all that is shared in a long one.
+FEW = {
+    "planar_4r": ("theta4", "P_x", "T41", "F43"),
+    "slider_crank": ("slider_position", "theta2", "side_force"),
+}
+
+
+@pytest.mark.parametrize(("count", "seed"), COUNTS)
+@pytest.mark.parametrize("mechanism", DECLARED)
+def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(mechanism, count, seed):
+    """Which is exact next to change points."""
     declared, speed, designs_of, shared = DECLARED[mechanism]
-    shared, designs = {name: shared[name] for name in names or shared}, designs_of(count, seed)
+    names = FEW[mechanism] if count == COUNTS[0][0] else shared
+    shared, designs = {name: shared[name] for name in names}, designs_of(count, seed)
     ends = [(how, of) for how in ("max", "min") for of in ("", "_error")]
     theirs = [f"{name}_{how}{of}" for name in shared for how, of in ends]
     ours = [f"{name}_{how}{of}" for name in shared.values() for how, of in ends]
@@ -89,24 +101,6 @@ def compare(mechanism, count, seed, names=()):
     assert (found.status.values[decided] == known.status.values[decided, None]).all()
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "names"),
-    [
-        ("planar_4r", ("theta4", "P_x", "T41", "F43")),
-        ("slider_crank", ("slider_position", "theta2", "side_force")),
-    ],
-)
-def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(mechanism, names):
-    compare(mechanism, 300, 1, names)
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("mechanism", DECLARED)
-@pytest.mark.parametrize("seed", range(5))
-def test_all_shared_quantities_of_many_designs(mechanism, seed):
-    compare(mechanism, 20_000, seed)
-
-
 def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_worst():
     ends = [f"transmission_angle_{name}_{how}" for name in "BF" for how in ("min", "max")]
     least = "least_transmission_angle_min"
@@ -119,8 +113,9 @@ def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_wo
     assert np.allclose(maps[least], of_dyads, rtol=0.0, atol=8 * 2.0**-52, equal_nan=True)
 
 
-def compare_with_hart(count, seed):
-    """Compare Hart's linkage by its joints with the one by hand: positions, and extremes of the rocker.
+@pytest.mark.parametrize(("count", "seed"), COUNTS)
+def test_harts_linkage_is_the_one_by_hand(count, seed):
+    """Positions, and extremes of the rocker.
 
     Where F is in line with P and Q the dyad touches its limit, and goes on by either of its ways to assemble.
     """
@@ -151,18 +146,23 @@ def compare_with_hart(count, seed):
         assert same.all(), np.argwhere(~same)[:3]
 
 
-def test_harts_linkage_is_the_one_by_hand():
-    compare_with_hart(300, 1)
+MANY = ("F_x", "F_y", "angle_GF", "transmission_angle_F", "omega_GF", "F_speed", "alpha_PF")
 
 
-@pytest.mark.stress
-@pytest.mark.parametrize("seed", range(2, 7))
-def test_many_of_harts_linkages(seed):
-    compare_with_hart(20_000, seed)
-
-
-def check_against_samples(count, seed, names, arc):
-    """Check that no sample is beyond an extreme, and that there are none where nothing closes."""
+@pytest.mark.parametrize(
+    ("count", "seed", "names", "arc"),
+    [
+        (60, 2, ("F_x", "B_y", "omega_GF"), None),
+        (60, 3, ("F_y",), (0.5, 2.5)),
+        *(
+            pytest.param(1000, seed, MANY, arc, marks=pytest.mark.stress)
+            for first, arc in ((11, None), (10, (1.0, 5.0)))
+            for seed in range(first, 20, 2)
+        ),
+    ],
+)
+def test_no_sample_of_a_six_bar_is_beyond_its_extremes(count, seed, names, arc):
+    """And there are none where nothing closes."""
     designs, (low, high) = six_bars(count, seed), arc or (0.0, 2.0 * np.pi)
     ends = {} if arc is None else {"arc_start": low, "arc_end": high}
     wanted = [f"{name}_{how}" for name in names for how in ("max", "min")]
@@ -189,18 +189,6 @@ def check_against_samples(count, seed, names, arc):
             near = abs(np.max(values[name], axis=-1) - most) <= 1e-2 * span
         assert near[turning & np.isfinite(span)].all() or not name.endswith(("_x", "_y")), name
         assert np.isnan(most).sum() <= (~closes.any(axis=-1)).sum()
-
-
-def test_no_sample_of_a_six_bar_is_beyond_its_extremes():
-    check_against_samples(60, 2, ("F_x", "B_y", "omega_GF"), None)
-    check_against_samples(60, 3, ("F_y",), (0.5, 2.5))
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("seed", range(10, 20))
-def test_no_sample_of_many_six_bars(seed):
-    names = ("F_x", "F_y", "angle_GF", "transmission_angle_F", "omega_GF", "F_speed", "alpha_PF")
-    check_against_samples(1000, seed, names, None if seed % 2 else (1.0, 5.0))
 
 
 def last_quantities(mechanism):
