@@ -510,18 +510,13 @@ def planted(place):
     return place
 
 
-def of_another_user(monkeypatch):
-    """Let every file be of another user: only the administrator can give files away."""
-    own = os.geteuid()
-    monkeypatch.setattr(os, "geteuid", lambda: own + 1)
-
-
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="users have no numbers here")
 @pytest.mark.parametrize("mode", [0o777, 0o1777, 0o770, None])
 def test_code_that_another_user_may_have_planted_is_not_run(planted, monkeypatch, mode):
     said = "can be written by other users"
     if mode is None:
-        of_another_user(monkeypatch)
+        own = os.geteuid()  # every file is of another user: only the administrator can give files away
+        monkeypatch.setattr(os, "geteuid", lambda: own + 1)
         said = "belongs to another user"
     else:
         planted.chmod(mode)

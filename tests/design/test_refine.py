@@ -370,19 +370,15 @@ RANGES = {"a1": (0.1, 0.55), "a2": 1.2, "a3": 0.8, "a4": 1.0}
 NEAR = 1e-5
 
 
-def check_wells(found):
-    assert_allclose(np.sort(found.a1), BOTTOMS, atol=NEAR)
-    assert float(found.a1[0]) < float(found.a1[1])  # the deeper one first
-    assert int(found.starts.sum()) > 2
-    assert f"from {int(found.starts.sum())} of these to 2 different designs" in found.attrs["selection"]
-
-
 def test_of_a_map_and_of_a_search():
     space = fl.sobol(200, RANGES, seed=1)
     maps = fl.sweep(mine, space, ["wells"], branch=1)
     asked = {"minimise": "wells", "top": 4}
     found = fl.best(maps, **asked, refine=True, mechanism=mine)
-    check_wells(found)
+    assert_allclose(np.sort(found.a1), BOTTOMS, atol=NEAR)
+    assert float(found.a1[0]) < float(found.a1[1])  # the deeper one first
+    assert int(found.starts.sum()) > 2
+    assert f"from {int(found.starts.sum())} of these to 2 different designs" in found.attrs["selection"]
     searched = fl.search(mine, space, **asked)
     assert_array_equal(searched.a1, found.a1)
     assert_array_equal(searched.starts, found.starts)

@@ -5,7 +5,6 @@ import operator
 import pickle
 import tracemalloc
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import replace
 
 import cloudpickle
@@ -40,13 +39,6 @@ class _ByValue:
         return cloudpickle.loads, (self.data,)
 
 
-@contextmanager
-def other_process():
-    """Give ``run(function, *args)``, which calls a function in one fresh process."""
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        yield lambda function, *args: pool.submit(operator.call, _ByValue(function), *args).result()
-
-
 # == What is resolved, compiled or made by fastlink travels to other processes: pickle, cloudpickle, joblib, dask, ray
 
 LENGTHS = {"a1": 0.4, "a2": [1.1, 1.2, 1.3], "a3": 0.8, "a4": 1.0, "omega1": [5.0, 25.0]}
@@ -57,19 +49,16 @@ PICKLERS = pytest.mark.parametrize("pickler", [pickle, cloudpickle], ids=["pickl
 
 @pytest.fixture(scope="module")
 def elsewhere():
-    with other_process() as run_there:
-        yield run_there
-
-
-def bits(arrays):
-    return [array.tobytes() for array in arrays]
+    """Give ``run(function, *args)``, which calls a function in one fresh process."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        yield lambda function, *args: pool.submit(operator.call, _ByValue(function), *args).result()
 
 
 def results(resolved):
     job = resolved.job()
     arrays = [np.zeros((job.size, *shape), dtype) for shape, dtype in job.shapes]
     run(job, targets=arrays)
-    return bits(arrays)
+    return [array.tobytes() for array in arrays]
 
 
 def of_pickled_job(data):

@@ -589,13 +589,6 @@ def test_a_partial_file_of_a_sweep_is_kept(grid, tmp_path, monkeypatch):
     assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.journal"]
 
 
-def long_table(maps):
-    """The rows as xarray and pandas make them."""
-    wide = maps.load()
-    frame = wide.to_dataframe(dim_order=list(wide.theta4.dims)).reset_index()
-    return frame.drop(columns=[name for name in frame if name not in wide.variables])
-
-
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "options"),
@@ -603,7 +596,9 @@ def long_table(maps):
 )
 def test_tables_have_a_row_for_each_configuration(request, tmp_path, small_blocks, kind, options):
     path = request.getfixturevalue(kind)
-    expected = long_table(loaded(fl.convert(path, tmp_path / "same.h5", **options)))
+    wide = loaded(fl.convert(path, tmp_path / "same.h5", **options))
+    expected = wide.to_dataframe(dim_order=list(wide.theta4.dims)).reset_index()
+    expected = expected.drop(columns=[name for name in expected if name not in wide.variables])
     text = pd.read_csv(fl.convert(path, tmp_path / "out.csv", **options), dtype=str)
     table = pd.read_parquet(fl.convert(path, tmp_path / "out.parquet", **options))
     assert set(table) == set(text) == set(expected)

@@ -139,13 +139,6 @@ def test_units_of_every_quantity_are_read_by_pint():
         _parsed(text, text)
 
 
-def best_by_sorting(maps, name, n, largest, inside):
-    values = maps[name].values.ravel()
-    places = np.flatnonzero(np.isfinite(values) & inside.ravel())
-    order = np.argsort(-values[places] if largest else values[places], kind="stable")
-    return places[order][:n]
-
-
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("block", [7, 1000, *(pytest.param(n, marks=pytest.mark.stress) for n in (1, 3, 20))])
 @pytest.mark.parametrize("largest", [True, False])
@@ -154,10 +147,12 @@ def test_the_best_designs_are_those_of_a_sort(maps, path, monkeypatch, block, la
     monkeypatch.setattr(best, "MOST_ROWS", block)
     mask = (maps.status == 0) & (maps.a4 > 0.95)
     inside = mask.broadcast_like(maps[name]).transpose(*maps[name].dims).values
-    expected = best_by_sorting(maps, name, 9, largest, inside)
+    values = maps[name].values.ravel()
+    places = np.flatnonzero(np.isfinite(values) & inside.ravel())
+    expected = places[np.argsort(-values[places] if largest else values[places], kind="stable")][:9]
     with fl.open(path) as opened:
         rows = opened.fastlink.top(9, name, largest=largest, where=mask).load()
-    assert_array_equal(rows[name], maps[name].values.ravel()[expected])
+    assert_array_equal(rows[name], values[expected])
     places = np.unravel_index(expected, maps[name].shape)
     for dim, numbers in zip(maps[name].dims, places, strict=True):
         assert_array_equal(rows[dim], maps[dim].values[numbers])

@@ -197,17 +197,14 @@ def test_a_tuple_that_is_rather_a_range_gets_a_remark():
 UNIT = (0.0, 1.0)
 
 
-def scipys(dimensions, seed, bits, count):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a number that is no power of two
-        return qmc.Sobol(dimensions, rng=np.random.default_rng(seed), bits=bits).random(count)
-
-
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 9), st.integers(0, 2**63 - 1), st.sampled_from([2**30, 2**31]), st.data())
 def test_any_block_of_the_sequence_has_scipys_bits(dimensions, seed, n, data):
     axes = sobol_axes(n, seed, [UNIT] * dimensions)
-    points = scipys(dimensions, seed, 30 if n == 2**30 else 53, 20_000)
+    engine = qmc.Sobol(dimensions, rng=np.random.default_rng(seed), bits=30 if n == 2**30 else 53)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a number that is no power of two
+        points = engine.random(20_000)
     for _ in range(5):
         start = data.draw(st.integers(0, 20_000))
         stop = data.draw(st.integers(start, 20_000))

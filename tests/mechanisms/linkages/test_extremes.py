@@ -264,7 +264,8 @@ def test_kernels_of_extremes_need_no_other_compiler_and_have_gradients():
     wanted = ["F_x_max", "d_F_x_max_d_a1", "F_x_max_error", "F_x_extrema", "theta_low", "theta_low_by"]
     for kernel in resolve(SIX_BAR, TURNING | {"omega": 1.0}, wanted, branch=3).kernels:
         assert llvm_text(kernel.source)
-    number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **_without("a1", "a5"))
+    given = {name: value for name, value in TURNING.items() if name not in ("a1", "a5")}
+    number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **given)
     start, step = np.array([0.1, 0.3]), 1e-6
     slope = [(number(start + step * e) - number(start - step * e))[0] / (2 * step) for e in np.eye(2)]
     # differences are off by the square of their step, and by a rounding over it
@@ -299,7 +300,3 @@ def test_derivatives_where_the_second_dyad_limits():
             slope = float(ends[1][name] - ends[0][name]) / 2e-6
             # differences are off by the square of their step, and by a rounding over it
             assert abs(float(found[f"d_{name}_d_{by}"]) - slope) < 1e-8 * (1.0 + abs(slope)), (name, by)
-
-
-def _without(*names):
-    return {name: value for name, value in TURNING.items() if name not in names}

@@ -488,7 +488,9 @@ def differing(designs, name):
         for zeroes in (True, False):
             places = exact_extrema(inputs, name, zeroes=zeroes) if wrong else []
             for turn in TURNS:
-                exact = {b: in_order([place for place in places if place.branch == b], turn) for b in wrong}
+                # from minima to maxima at one angle
+                places.sort(key=lambda place: (0.0 if place.theta1 > turn else place.theta1, place.kind))
+                exact = {b: [place for place in places if place.branch == b] for b in wrong}
                 shown = {b: in_one_order(*lists[b], turn) for b in wrong}
                 if zeroes:
                     kinds = {b: [place.kind for place in exact[b]] for b in wrong}
@@ -502,11 +504,6 @@ def differing(designs, name):
 #: Where the turn begins anew: a place as near to it may be on either side of the fold there, as pi in doubles is off by
 #: 2^-53. Both readings are right.
 TURNS = (2 * np.pi, 2 * np.pi - 2.0**-49)
-
-
-def in_order(places, turn):
-    """Return exact places in the order of their input angles, from minima to maxima at one angle."""
-    return sorted(places, key=lambda place: (0.0 if place.theta1 > turn else place.theta1, place.kind))
 
 
 def in_one_order(kinds, values, bounds, count, places, turn):
@@ -718,19 +715,15 @@ def test_many_lists_hold_the_exact_extremes_or_have_no_bound(kind, name):
     assert differ == 0 or differ < MOST.get((kind, name), MOST[kind]) * of
 
 
-def listed(designs, names, **options):
-    """Return value, theta1, count and kind of the lists of quantities, by name."""
-    parts = ("{}_extrema", "theta1_at_{}_extrema", "{}_extrema_count", "{}_extrema_kind")
-    maps = sweep_4r(fl.table(designs), [f"{name}_extrema" for name in names], **options)
-    return {name: [maps[part.format(name)] for part in parts] for name in names}
-
-
 @pytest.mark.parametrize(
     ("lengths", "omega1", "most"), [((0.4, 1.2, 0.8, 1.0), 0.0, 0.0), ((1.0, 1.0, 1.0, 5.0), 1.0, np.nan)]
 )
 def test_what_is_constant_or_never_assembles_has_no_extremum(lengths, omega1, most):
     designs = by_lengths(np.array([lengths]).T, omega1)
-    for value, theta1, count, kind in listed(designs, RATES).values():
+    maps = sweep_4r(fl.table(designs), [f"{rate}_extrema" for rate in RATES])
+    for rate in RATES:
+        value, theta1 = maps[f"{rate}_extrema"], maps[f"theta1_at_{rate}_extrema"]
+        count, kind = maps[f"{rate}_extrema_count"], maps[f"{rate}_extrema_kind"]
         assert np.isnan([value.values, theta1.values]).all()
         assert not np.any(count)
         assert not np.any(kind)

@@ -110,13 +110,10 @@ def test_ranges_are_where_the_rod_reaches_the_line(r, l, e):
     assert np.isnan(found["time_ratio"]) == (not l > r + abs(e))
 
 
-def swept(names, designs, **options):
-    return sweep_both("slider_crank", fl.table(designs), names, threads=1, **options)
-
-
 def test_beyond_a_toggle_rates_grow_without_bound():
     designs = {"r": [2.0], "l": [1.0], "e": [0.25], "omega": [1.0]}
-    found = swept(["slider_velocity_max", "slider_position_max", "omega2_max", "omega2_min"], designs)
+    names = ["slider_velocity_max", "slider_position_max", "omega2_max", "omega2_min"]
+    found = sweep_both("slider_crank", fl.table(designs), names)
     assert np.all(found.slider_velocity_max.values == np.inf)
     assert np.all(found.omega2_max.values == np.inf)
     assert np.all(found.omega2_min.values == -np.inf)
