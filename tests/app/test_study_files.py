@@ -212,20 +212,8 @@ fil = "x.h5"
 [run]
 backend = "nmba"
 """
-KEYS = [
-    "quantities[0]",
-    "quantities[1]",
-    "design.omga1",
-    "design.a1",
-    "design.a2",
-    "design.a3.linspce",
-    "links.model",
-    "cycle.branch",
-    "cycle.theta1",
-    "cycle.teta1",
-    "output.fil",
-    "run.backend",
-]
+KEYS = ["quantities[0]", "quantities[1]", "design.omga1", "design.a1", "design.a2", "design.a3.linspce"]
+KEYS += ["links.model", "cycle.branch", "cycle.theta1", "cycle.teta1", "output.fil", "run.backend"]
 
 
 def lines_of(text, door=read_study):

@@ -414,14 +414,8 @@ def test_a_map_is_swept_again_by_its_path(tmp_path):
 
 PLANAR_SCALED = catalogue("planar_4r")
 BAR = fl.round_bar(density=7750.0, radius=0.01)
-NAMES_SCALED = [
-    "omega4",
-    "T41_rms",
-    "omega4_max",
-    "alpha4_extrema",
-    "theta1_at_shaking_force_max",
-    "shaking_force_max",
-]
+NAMES_SCALED = ["omega4", "T41_rms", "omega4_max"]
+NAMES_SCALED += ["alpha4_extrema", "theta1_at_shaking_force_max", "shaking_force_max"]
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 9), np.linspace(0.6, 1.0, 11)
 # Powers of two scale without rounding: rates by omega1, forces by its square.
 SPEEDS = np.array([0.5, 1.0, 8.0])

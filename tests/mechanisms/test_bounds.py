@@ -5,6 +5,7 @@ import contextlib
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.configurations import numbers
 from tests.support.extremes import SEARCHED, bounded_extremes
 from tests.support.neighbourhoods import DRAWN
 from tests.support.sweeps import sweep_4r
@@ -18,12 +19,7 @@ from fastlink.plan.request import selected_variants
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 #: A change point but for 1e-16: the gap is within the rounding of the lengths.
-NEARLY = {
-    "a1": 0.6286585380403462,
-    "a2": 1.197852049758225,
-    "a3": 0.8341289441152699,
-    "a4": 0.9923816436833014,
-}
+NEARLY = numbers("a1=0.6286585380403462 a2=1.197852049758225 a3=0.8341289441152699 a4=0.9923816436833014")
 #: Inputs with respect to which derivatives are taken: a length, and some that stand in one term alone.
 BY = {
     "planar_4r": ("a4", "m1", "FP_y"),
@@ -249,13 +245,10 @@ def test_verification_takes_lengths_as_they_are_and_codes_as_meant():
 def test_an_extreme_beside_a_toggle_that_is_not_looked_for_is_in_the_bound():
     """MA and NB are parallel within 2^-22 of the scale from where the crank stops."""
     (entry,) = (one for one in SEARCHED if str(one) == "focal sigma")
-    design = {"a": 1.9664390820123145, "b": 3.839279211923328, "c": 0.0005705711695696084}
-    design |= {
-        "d": 1.8722695587414444,
-        "rho": -1.0000000000003526,
-        "omega": 1.0724489878099615,
-        "completion": 1.0,
-    }
+    design = numbers(
+        "a=1.9664390820123145 b=3.839279211923328 c=0.0005705711695696084 d=1.8722695587414444 "
+        "rho=-1.0000000000003526 omega=1.0724489878099615 completion=1"
+    )
     columns = {name: np.array([value]) for name, value in design.items()}
     least = [one for one in bounded_extremes(entry, columns, ["transmission_angle_F"]) if "min" in one.of]
     assert len(least) == 2

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.support.configurations import numbers
 from tests.support.extremes import (
     QUIET,
     SEARCHED,
@@ -312,82 +313,55 @@ def test_designs_in_a_sweep_leave_each_other_alone():
     assert_array_equal(least(40), least(0))
 
 
-BARS = ("m1", "I1", "G1_u", "G1_v", "m2", "I2", "G2_u", "G2_v", "m3", "I3", "G3_u", "G3_v")
-
-
-def four_bar(lengths, bars, **others):
-    """Return a design of the planar 4R by name."""
-    given = {"omega1": 1.0} | dict(zip(BARS, map(float, bars.split()), strict=False)) | others
-    return dict(zip(LENGTHS, lengths, strict=True)) | given
-
-
 #: Mechanism, input, quantity, branch, the fold or place beside which extremes hide, design.
 HIDDEN = {
     # one half of the turn is constant but for rounding, and has the least value
     "half a turn at rest": (
         ("planar_4r", "theta1", "F32", 2, 0.0),
-        four_bar(
-            (9.0, 2.0, 9.0, 2.0),
-            "2.4671355648387943e-07 0.0 9.0 -0.0006549136337967812 1.7271844878678653 "
-            "0.9867537083850588 9.0 0.0 501834486656.10767 0.0 15.265182336000926 "
-            "43421.32110501148",
-            omega1=0.5,
-            P_u=0.6000493924319583,
-            P_v=9911.360095279775,
-            T_load=1.0,
-            T_load_linear=1.494155118855378,
-            T_load_quadratic=-1.0,
+        numbers(
+            "a1=9 a2=2 a3=9 a4=2 omega1=0.5 m1=2.4671355648387943e-07 I1=0 G1_u=9 G1_v=-0.0006549136337967812 "
+            "m2=1.7271844878678653 I2=0.9867537083850588 G2_u=9 G2_v=0 m3=501834486656.10767 I3=0 "
+            "G3_u=15.265182336000926 G3_v=43421.32110501148 P_u=0.6000493924319583 P_v=9911.360095279775 "
+            "T_load=1 T_load_linear=1.494155118855378 T_load_quadratic=-1"
         ),
     ),
     # the crank alone has mass: nothing grows where coupler and output link are in line, and the least is there
     "force of links without mass": (
         ("planar_4r", "theta1", "shaking_force", 1, 0.9272952180016122),
-        four_bar(
-            (5.0, 2.0, 3.0, 4.0),
-            "0.001349 1.0 -5.0 5.0 0.0 3.8e-05 7.0 5.0 0.0 1.680962 0.0 0.0",
-            omega1=-0.441125,
-            gravity_x=-0.032687,
-            gravity_y=0.0,
+        numbers(
+            "a1=5 a2=2 a3=3 a4=4 omega1=-0.441125 m1=0.001349 I1=1 G1_u=-5 G1_v=5 m2=0 I2=3.8e-05 G2_u=7 "
+            "G2_v=5 m3=0 I3=1.680962 G3_u=0 G3_v=0 gravity_x=-0.032687 gravity_y=0"
         ),
     ),
     # P passes so near to the centre about which the coupler turns that no sample beside shows it
     "curvature at a cusp": (
         ("planar_4r", "theta1", "curvature", 1, 3.4),
-        four_bar(
-            (1.1944011076648948, 3.321112303368561, 1.7553999076621674, 2.760113502371308),
-            "",
-            P_u=3.321112303368561,
-            P_v=-0.02649742954072939,
+        numbers(
+            "a1=1.1944011076648948 a2=3.321112303368561 a3=1.7553999076621674 a4=2.760113502371308 omega1=1 "
+            "P_u=3.321112303368561 P_v=-0.02649742954072939"
         ),
     ),
     # where r = l and e = 0 the slider stays at O for half a turn, and its torque is zero but for rounding
     "torque that is zero for half a turn": (
         ("slider_crank", "theta", "T41", 1, np.pi / 2),
-        {
-            "r": 8.0,
-            "l": 8.0,
-            "e": 0.0,
-            "omega": 0.5639,
-            "m1": 0.0,
-            "I1": 0.0,
-            "m2": 0.0,
-            "I2": 0.84,
-            "m3": 0.167,
-        }
-        | {"G1_u": 8.0, "G1_v": 8.0, "G2_u": -4.2, "G2_v": 9.0, "F_load": 179.0},
+        numbers(
+            "r=8 l=8 e=0 omega=0.5639 m1=0 I1=0 m2=0 I2=0.84 m3=0.167 G1_u=8 G1_v=8 G2_u=-4.2 G2_v=9 "
+            "F_load=179"
+        ),
     ),
     # only I2 acts, so that F41 changes its sign with alpha2: its zero at a sample has no slope
     "force that is exactly 0 at a sample": (
         ("slider_crank", "theta", "F41", 2, np.pi / 2),
-        {"r": 1.048245833941114, "l": 2.8151436694020036, "e": -1.7668978354608884, "omega": -1.0, "m1": 0.0}
-        | {"I1": 1.4162467717588534e-09, "m2": 0.0, "I2": 6.210836172235572e-05, "m3": 0.0}
-        | {"G1_u": 0.35166168617373966, "G1_v": 4.174227550120641}
-        | {"G2_u": 2.8151436694020036, "G2_v": -0.002658583659505936},
+        numbers(
+            "r=1.048245833941114 l=2.8151436694020036 e=-1.7668978354608884 omega=-1 m1=0 "
+            "I1=1.4162467717588534e-09 m2=0 I2=6.210836172235572e-05 m3=0 G1_u=0.35166168617373966 "
+            "G1_v=4.174227550120641 G2_u=2.8151436694020036 G2_v=-0.002658583659505936"
+        ),
     ),
     # T is 3e9 lengths away where rho nears -1, and AB turns within 1e-9 rad of the fold
     "a point far away that swings round": (
         ("focal", "sigma", "T_y", 1, 0.0),
-        {"a": 6.0, "b": 6.0, "c": 2.0, "d": 2.0, "rho": -0.9999999993232827, "completion": 1.0},
+        numbers("a=6 b=6 c=2 d=2 rho=-0.9999999993232827 completion=1"),
     ),
 }
 OCTAVES = 2.0 ** np.linspace(-60.0, 0.0, 601)

@@ -3,25 +3,14 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.configurations import numbers
 from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes, swept_4r
 from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.names import derivative_name
-from fastlink.numerics.compiler import (
-    AT_CHANGE_POINT,
-    AT_LIMIT,
-    CONSTANT,
-    INFINITE,
-    JUMP,
-    KINK,
-    MOVING,
-    NOTHING,
-    OF_SAMPLES,
-    SMOOTH,
-    TIED,
-)
+from fastlink.numerics import compiler as codes
 
 LENGTHS = ("a1", "a2", "a3", "a4")
 #: Quantities with and without limits of motion, finite there and not, and the input that they are differentiated by.
@@ -87,15 +76,15 @@ def test_derivatives_of_extremes_of_many_designs(entry):
 @pytest.mark.parametrize(
     ("name", "lengths", "codes"),
     [
-        ("omega4_max", (0.4, 1.2, 0.8, 1.0), (SMOOTH, SMOOTH)),
-        ("omega4_max", (1.0, 0.6, 0.7, 1.2), (INFINITE, INFINITE)),
-        ("B_y_min", (1.0, 0.6, 0.7, 1.2), (TIED, AT_LIMIT)),
-        ("theta4_max", (1.0, 0.6, 0.7, 1.2), (JUMP, JUMP)),
-        ("omega4_max", (5.0, 1.0, 1.0, 1.0), (NOTHING, NOTHING)),
-        ("omega4_mean", (0.4, 1.2, 0.8, 1.0), (SMOOTH, SMOOTH)),
-        ("theta4_mean", (1.0, 0.6, 0.7, 1.2), (MOVING, MOVING)),
-        ("omega4_rms", (5.0, 1.0, 1.0, 1.0), (NOTHING, NOTHING)),
-        ("loop_residual_max", (0.4, 1.2, 0.8, 1.0), (OF_SAMPLES, OF_SAMPLES)),
+        ("omega4_max", (0.4, 1.2, 0.8, 1.0), (codes.SMOOTH, codes.SMOOTH)),
+        ("omega4_max", (1.0, 0.6, 0.7, 1.2), (codes.INFINITE, codes.INFINITE)),
+        ("B_y_min", (1.0, 0.6, 0.7, 1.2), (codes.TIED, codes.AT_LIMIT)),
+        ("theta4_max", (1.0, 0.6, 0.7, 1.2), (codes.JUMP, codes.JUMP)),
+        ("omega4_max", (5.0, 1.0, 1.0, 1.0), (codes.NOTHING, codes.NOTHING)),
+        ("omega4_mean", (0.4, 1.2, 0.8, 1.0), (codes.SMOOTH, codes.SMOOTH)),
+        ("theta4_mean", (1.0, 0.6, 0.7, 1.2), (codes.MOVING, codes.MOVING)),
+        ("omega4_rms", (5.0, 1.0, 1.0, 1.0), (codes.NOTHING, codes.NOTHING)),
+        ("loop_residual_max", (0.4, 1.2, 0.8, 1.0), (codes.OF_SAMPLES, codes.OF_SAMPLES)),
     ],
 )
 def test_the_status_tells_what_derivatives_are_worth(name, lengths, codes):
@@ -106,15 +95,15 @@ def test_the_status_tells_what_derivatives_are_worth(name, lengths, codes):
 
 def test_what_stands_still_folds_or_is_verified_has_its_own_derivatives():
     speed = swept_4r(["P_speed_max_gradient_status", "d_P_speed_max_d_a1"], point={"P_u": 0.0, "P_v": 0.0})
-    assert (speed["P_speed_max_gradient_status"] == CONSTANT).all()
+    assert (speed["P_speed_max_gradient_status"] == codes.CONSTANT).all()
     assert (speed["d_P_speed_max_d_a1"] == 1.0).all()
     still = swept_4r(["omega4_rms_gradient_status", "d_omega4_rms_d_a1"], omega1=0.0)
-    assert (still["omega4_rms_gradient_status"] == KINK).all()
+    assert (still["omega4_rms_gradient_status"] == codes.KINK).all()
     assert np.isnan(still["d_omega4_rms_d_a1"]).all()
     found = swept_4r(
         ["transmission_angle_min", "transmission_angle_min_gradient_status"], (4.0, 9.0, 12.0, 7.0)
     )
-    assert (found["transmission_angle_min_gradient_status"] == AT_CHANGE_POINT).all()
+    assert (found["transmission_angle_min_gradient_status"] == codes.AT_CHANGE_POINT).all()
     assert (
         swept_4r(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"]
         == "d_omega4_max_d_a2"
@@ -147,7 +136,7 @@ def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
     found = extreme("d_A_y_max_d_a")
     difference = (extreme("A_y_max", a=1.0 + h) - extreme("A_y_max", a=1.0 - h)) / (2.0 * h)
     assert_allclose(found, difference, rtol=1e-7)
-    assert (extreme("A_y_max_gradient_status") == OF_SAMPLES).all()
+    assert (extreme("A_y_max_gradient_status") == codes.OF_SAMPLES).all()
 
 
 def test_labels_units_and_axes_that_scale():
@@ -170,7 +159,7 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
     for by, place in (("a3", 2), ("a4", 3)):
         lengths = [1.0, 0.6, 0.7, 1.2]
         slopes = swept_4r([*(f"d_{name}_d_{by}" for name in names), "A_y_max_gradient_status"], lengths)
-        assert (slopes["A_y_max_gradient_status"] == AT_LIMIT).all()
+        assert (slopes["A_y_max_gradient_status"] == codes.AT_LIMIT).all()
         below, above = (
             swept_4r(names, [x + sign * step * (k == place) for k, x in enumerate(lengths)])
             for sign in (-1, 1)
@@ -194,12 +183,7 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
 
 def test_an_angle_that_folds_at_pi_keeps_its_greatest_value():
     # the bars at P pass the straight line in the middle of the motion: mu_P is pi there whatever the lengths
-    bars = {
-        "a": 1.3828348684464724,
-        "b": 0.9522518422452018,
-        "c": 1.6380671227307617,
-        "d": 1.0228886622434283,
-    }
+    bars = numbers("a=1.3828348684464724 b=0.9522518422452018 c=1.6380671227307617 d=1.0228886622434283")
     names = ["transmission_angle_P_max", "d_transmission_angle_P_max_d_d"]
     found = sweep_both(
         "focal",
@@ -208,4 +192,4 @@ def test_an_angle_that_folds_at_pi_keeps_its_greatest_value():
     )
     assert (found[names[0]] > np.pi - 1e-15).all()
     assert (found[names[1]] == 0.0).all()
-    assert (found["transmission_angle_P_max_gradient_status"] == JUMP).all()
+    assert (found["transmission_angle_P_max_gradient_status"] == codes.JUMP).all()

@@ -27,14 +27,8 @@ DESIGNS = {
     "slider_crank": {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5},
 }
 LOADS = {"planar_4r", "slider_crank"}
-QUANTITIES = [
-    "shaking_force_max",
-    "transmission_angle_min",
-    "omega4_max",
-    "status",
-    "grashof_class",
-    "theta1_at_omega4_max",
-]
+QUANTITIES = ["shaking_force_max", "transmission_angle_min", "omega4_max"]
+QUANTITIES += ["status", "grashof_class", "theta1_at_omega4_max"]
 FORCE, ANGLE = QUANTITIES[:2]
 
 

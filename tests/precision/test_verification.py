@@ -6,7 +6,7 @@ from importlib import import_module
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from tests.support.configurations import PLANAR, masses_and_points
+from tests.support.configurations import PLANAR, masses_and_points, numbers
 from tests.support.precision import in_every_mode, plain, wrong
 from tests.support.registry import ENTRIES
 from tests.support.sweeps import sweep_4r
@@ -318,12 +318,7 @@ def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
 
 def test_an_end_of_the_range_is_a_limit_to_more_digits_than_doubles_have():
     """B of Hart's linkage with kappa = 1 + 1e-15 is at 1e-30 of the lengths there, and its slope 1e15 times that."""
-    design = {
-        "m": 1.3828348684464724,
-        "n": 1.851684481372127,
-        "d": 4.386786496711176,
-        "kappa": 1.000000000000001,
-    }
+    design = numbers("m=1.3828348684464724 n=1.851684481372127 d=4.386786496711176 kappa=1.000000000000001")
     found = fl.sweep("hart", fl.grid(**design), ["B_y_max", "B_y_max_error"], branch=1)
     columns = {name: np.array([value]) for name, value in design.items()}
     reference = Stationary(catalogue("hart"), "B_y", columns, np.ones(1))

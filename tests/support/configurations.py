@@ -27,6 +27,12 @@ LOADS = tuple(
 )
 
 
+def numbers(text: str) -> dict[str, float]:
+    """Return a design that is written as on the command line: NAME=VALUE, one after the other."""
+    words = (word.partition("=") for word in text.split())
+    return {name: float(value) for name, _, value in words}
+
+
 def draw(declared: Mapping[str, Input], rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Values for inputs, of either sign where they may."""
     inputs = {}

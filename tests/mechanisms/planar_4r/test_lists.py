@@ -16,7 +16,7 @@ from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
 from flint.utils.flint_exceptions import DomainError
 from numpy.testing import assert_allclose
 from tests.mechanisms.test_extremes import near_cusps
-from tests.support.configurations import LENGTHS
+from tests.support.configurations import LENGTHS, numbers
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.sweeps import sweep_4r
 
@@ -591,29 +591,18 @@ def test_lists_of_rates_hold_the_exact_extremes(rate, few, part):
 
 
 #: In which two extremes of F41 stand between two samples, beside a third.
-NARROW = {
-    "a1": 0.8864707860744057,
-    "a2": 1.9225578973808017,
-    "a3": 2.6924029358619537,
-    "a4": 3.728478244413491,
-}
-NARROW |= {"omega1": 18.550515413993015, "m1": 0.0018364371402731585, "I1": 0.5333531266423142}
-NARROW |= {"G1_u": 2.0744880738446536, "G1_v": 2.4755016543218424, "m2": 2.247926956061958}
-NARROW |= {"I2": 0.0006353769234236988, "G2_u": 1.7016715670747224, "G2_v": -0.2310316084531454}
-NARROW |= {
-    "m3": 8.579832518555953,
-    "I3": 0.015982671751956518,
-    "G3_u": 2.167301101251959,
-    "G3_v": 0.06640858519244963,
-}
+NARROW = numbers(
+    "a1=0.8864707860744057 a2=1.9225578973808017 a3=2.6924029358619537 a4=3.728478244413491 "
+    "omega1=18.550515413993015 m1=0.0018364371402731585 I1=0.5333531266423142 G1_u=2.0744880738446536 "
+    "G1_v=2.4755016543218424 m2=2.247926956061958 I2=0.0006353769234236988 G2_u=1.7016715670747224 "
+    "G2_v=-0.2310316084531454 m3=8.579832518555953 I3=0.015982671751956518 G3_u=2.167301101251959 "
+    "G3_v=0.06640858519244963"
+)
 #: With an extreme at 6e-5 from a toggle, where the slope of the last sample is exactly 0.
-BESIDE_TOGGLE = {"a1": 0.68165602665439, "a2": 1.1857785897052784, "a3": 0.6455817174867152}
-BESIDE_TOGGLE |= {
-    "a4": 1.221852908872953,
-    "P_u": 0.9839053205308379,
-    "P_v": 1.7795725244785152,
-    "omega1": 1.0,
-}
+BESIDE_TOGGLE = numbers(
+    "a1=0.68165602665439 a2=1.1857785897052784 a3=0.6455817174867152 a4=1.221852908872953 "
+    "P_u=0.9839053205308379 P_v=1.7795725244785152 omega1=1"
+)
 SINGLE = {"F41": NARROW, "curvature": BESIDE_TOGGLE}
 
 
@@ -678,13 +667,10 @@ def test_lists_that_rounding_hides_extremes_of_have_no_bound(name, drawn):
 
 
 #: A coupler point that passes its instant centre: a curvature below -1e15 between two of 201 within 7e-5 rad.
-CUSP = {
-    "a1": 0.21644546641606582,
-    "a2": 1.1990216170505517,
-    "a3": 2.1434978036656838,
-    "a4": 1.1609216525989083,
-}
-CUSP |= {"omega1": 1.0, "P_u": -6.399469951710982, "P_v": -5.341676966630802}
+CUSP = numbers(
+    "a1=0.21644546641606582 a2=1.1990216170505517 a3=2.1434978036656838 a4=1.1609216525989083 omega1=1 "
+    "P_u=-6.399469951710982 P_v=-5.341676966630802"
+)
 
 
 #: Many designs, by what is hard about them: how they are drawn and of which quantities. Exact algebra of forces takes
