@@ -24,18 +24,8 @@ from fastlink.mechanisms import NAMES
 from tests.support.refusals import assert_refusal
 from tests.support.sweeps import sweep_4r
 
-HEAVY = [
-    "numba",
-    "xarray",
-    "h5py",
-    "h5netcdf",
-    "scipy",
-    "numpy",
-    "pydantic",
-    "matplotlib",
-    "pandas",
-    "mpmath",
-]
+HEAVY = ["numba", "xarray", "h5py", "h5netcdf", "scipy"]
+HEAVY += ["numpy", "pydantic", "matplotlib", "pandas", "mpmath"]
 MAIN = [sys.executable, "-c", "from fastlink.app.cli import main; main()"]
 STUDY = """
 mechanism = "planar_4r"

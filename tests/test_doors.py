@@ -431,14 +431,8 @@ def test_units_are_taken_wherever_inputs_are_named(names):
 
 def test_a_study_of_a_search_needs_no_table_of_designs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    lines = (
-        "[search]",
-        'minimise = "stroke"',
-        "samples = 64",
-        "[search.bounds]",
-        "r = [0.1, 0.2]",
-        "l = [0.4, 0.6]",
-    )
+    lines = ("[search]", 'minimise = "stroke"', "samples = 64")
+    lines += ("[search.bounds]", "r = [0.1, 0.2]", "l = [0.4, 0.6]")
     (tmp_path / "s.toml").write_text("\n".join(('mechanism = "slider_crank"', *lines, "e = [0.0, 0.1]")))
     with fl.run("s.toml") as found:
         assert found.attrs["searched_designs"] == 64

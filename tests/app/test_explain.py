@@ -321,15 +321,8 @@ def test_the_time_of_a_sample_is_that_of_all_designs():
 def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
     space = fl.grid(**LENGTHS, omega1=2.0)
     steel = fl.round_bar(density=7750.0, radius=0.01)
-    options = {
-        "links": steel,
-        "branch": 1,
-        "theta1": 7,
-        "threads": 1,
-        "verify": 3,
-        "overwrite": True,
-        "progress": False,
-    }
+    options = {"links": steel, "branch": 1, "theta1": 7, "threads": 1}
+    options |= {"verify": 3, "overwrite": True, "progress": False}
     options |= {"to": tmp_path / "m.h5", "attrs": {"a": 1}, "block": 8}
     found = fl.explain("planar_4r", space, ["T41"], **{"branch": (1, 2)} | options)
     assert "7 values of theta1" in found.title

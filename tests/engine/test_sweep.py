@@ -27,14 +27,8 @@ MIXED = fl.grid(a1=0.4, a2=np.linspace(0.1, 1.9, 13), a3=np.linspace(0.1, 1.2, 1
 
 
 def small_map(**options):
-    asked = [
-        "omega4_max",
-        "theta1_at_omega4_max",
-        "transmission_angle_min",
-        "shaking_force_rms",
-        "theta4",
-        "T41",
-    ]
+    asked = ["omega4_max", "theta1_at_omega4_max", "transmission_angle_min"]
+    asked += ["shaking_force_rms", "theta4", "T41"]
     return sweep_4r(MIXED, asked, links=BARS, **{"theta1": 45} | options)
 
 

@@ -297,19 +297,10 @@ def faults(source):
 
 
 def test_the_search_finds_what_it_is_for():
-    spelt = (
-        'f"d_{x}_d_{by}"',
-        'f"{x}_error"',
-        'f"{at}_at_{x}_max"',
-        'f"ask for {x}_max and _min"',
-        'x + "_trust"',
-    )
-    taken = (
-        'x.endswith(("_error", "_trust"))',
-        'x.startswith("d_")',
-        'x.rpartition("_")',
-        're.compile("d_(.+)")',
-    )
+    spelt = ('f"d_{x}_d_{by}"', 'f"{x}_error"', 'f"{at}_at_{x}_max"')
+    spelt += ('f"ask for {x}_max and _min"', 'x + "_trust"')
+    taken = ('x.endswith(("_error", "_trust"))', 'x.startswith("d_")')
+    taken += ('x.rpartition("_")', 're.compile("d_(.+)")')
     assert all(map(faults, (*spelt, *taken, 'x.partition("__below_")', 'ERROR = "_error"')))
 
 

@@ -15,13 +15,8 @@ SEED = 13
 LONG = 100
 SHOWN = 20
 #: What is public and not called here, and why; classes of what public functions return are called by these.
-ELSEWHERE = {
-    "InputError": "an exception",
-    "InputWarning": "a warning",
-    "table": "see `tables`",
-    "synthesise": "see tests/synthesis",
-    "linkage": "see tests/mechanisms/linkages",
-}
+ELSEWHERE = {"InputError": "an exception", "InputWarning": "a warning", "table": "see `tables`"}
+ELSEWHERE |= {"synthesise": "see tests/synthesis", "linkage": "see tests/mechanisms/linkages"}
 #: Arguments that are not tried, and why.
 UNTRIED = {
     **dict.fromkeys(("table.source", "table.keep", "table.allow_invalid"), "see `tables`"),

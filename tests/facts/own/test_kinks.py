@@ -193,14 +193,8 @@ def test_the_greater_of_values_that_change_sign_is_not_mirrored():
 
 def test_sides_of_jumps_are_verified_with_50_digits():
     design = {"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8, "omega1": 1.0}
-    names = [
-        "turned_by_max",
-        "of_half_min",
-        "unrolled_max",
-        "unrolled_extrema",
-        "larger_max",
-        "larger_min_error",
-    ]
+    names = ["turned_by_max", "of_half_min", "unrolled_max"]
+    names += ["unrolled_extrema", "larger_max", "larger_min_error"]
     maps = sweep_both(planar, design, names, verify=2)
     assert maps.attrs["verify_mismatches"] == 0
     for name in names[:5]:
@@ -286,13 +280,8 @@ def test_extremes_are_infinite_where_the_divisor_changes_its_sign(name):
 
 def test_places_bounds_and_lists_beside_poles():
     design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-    names = [
-        "torque_ratio_max",
-        "torque_ratio_max_error",
-        "theta1_at_torque_ratio_max",
-        "even_extrema",
-        "even_min",
-    ]
+    names = ["torque_ratio_max", "torque_ratio_max_error", "theta1_at_torque_ratio_max"]
+    names += ["even_extrema", "even_min"]
     names += ["with_limit_max", "undone_max", "omega4_max", "d_torque_ratio_max_d_a1", "slope_of_output_peak"]
     found = sweep_both(planar, design, names, verify=1)
     assert found.attrs["verify_mismatches"] == 0

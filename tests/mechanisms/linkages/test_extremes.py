@@ -214,15 +214,8 @@ def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind):
 
 
 def test_ranges_and_what_limits_them_are_verified(tmp_path):
-    names = [
-        "theta_low",
-        "theta_high",
-        "theta_low_by",
-        "theta_high_by",
-        "F_x_max",
-        "F_x_extrema",
-        "omega_GF_min",
-    ]
+    names = ["theta_low", "theta_high", "theta_low_by", "theta_high_by"]
+    names += ["F_x_max", "F_x_extrema", "omega_GF_min"]
     maps = fl.sweep(
         SIX_BAR,
         six_bars(40, 4) | {"omega": 3.0},

@@ -69,12 +69,8 @@ def by_the_theorems():
             elif T[1] == 0:
                 motion = "crank-crank" if T[0] > 0 else "crank-rocker"  # 3.21, and 3.11 for the output
             else:  # Table 3
-                types = {
-                    "++": "crank-crank",
-                    "+-": "rocker-crank",
-                    "-+": "rocker-rocker",
-                    "--": "crank-rocker",
-                }
+                types = {"++": "crank-crank", "+-": "rocker-crank"}
+                types |= {"-+": "rocker-rocker", "--": "crank-rocker"}
                 motion = types["".join(signs[:2])]
         counts[kind, motion, *signs] += 1
     return counts

@@ -411,14 +411,8 @@ def coupler():
         P_u=0.5,
         P_v=0.3,
     )
-    names = [
-        "omega4_max",
-        "omega4_peak",
-        "omega4_rms",
-        "shaking_force_max",
-        "transmission_angle_min",
-        "P_y_min",
-    ]
+    names = ["omega4_max", "omega4_peak", "omega4_rms"]
+    names += ["shaking_force_max", "transmission_angle_min", "P_y_min"]
     codes, links = ["grashof_class", "status", "swing"], fl.round_bar(density=7750.0, radius=0.01)
     return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1)
 
