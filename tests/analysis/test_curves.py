@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from flint import arb, ctx, fmpq
 from numpy.testing import assert_array_equal
-from tests.support.configurations import LENGTHS
-from tests.support.curve_designs import (
+from tests.support.configurations import (
     CURVE,
+    LENGTHS,
     apart_from_change_points,
     design_of,
     evaluate,

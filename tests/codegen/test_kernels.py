@@ -8,6 +8,7 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -60,8 +61,6 @@ class Family:
 
     def request(self):
         """Return the request, resolved."""
-        from fastlink.mechanisms import catalogue
-
         found = catalogue(self.mechanism, self.options.get("input"))
         rng = np.random.default_rng(len(self.names) + self.designs)
         columns = draw(found.inputs, rng, self.designs)
@@ -106,12 +105,13 @@ FORCES = ["F32_x", "T41", "shaking_moment"]
 GRADIENTS = ["d_omega4_max_d_a2", "d_theta4_min_d_a1", "d_theta1_at_omega4_max_d_a3"]
 DRIVEN = {"input": "joint_angle_2"}
 TOLERANCES = {"a1_tolerance": 1e-3, "a3_relative_tolerance": 1e-2, "m2_tolerance": 1e-2}
+planar = partial(Family, "planar_4r")
 FAMILIES = {
     # Lanes are angles: the last vector of angles overlaps the one before.
-    "curves": Family("planar_4r", MOTION, 37),
-    "curves of forces": Family("planar_4r", FORCES, 41),
-    "curves of one branch": Family("planar_4r", MOTION, 37, {"branch": 2}),
-    "curves by another joint": Family("planar_4r", ["joint_angle_1", "joint_omega_4"], 37, DRIVEN),
+    "curves": planar(MOTION, 37),
+    "curves of forces": planar(FORCES, 41),
+    "curves of one branch": planar(MOTION, 37, {"branch": 2}),
+    "curves by another joint": planar(["joint_angle_1", "joint_omega_4"], 37, DRIVEN),
     "curves of rapidity": Family("minkowski_4r", ["psi"], 37),
     "curves in pieces": Family("minkowski_4r", ["psi", "A_x"], 517, designs=2),
     "curves of the focal mechanism": Family("focal", ["T_x", "S_x", "psi_rate"], 37, {"input": "sigma"}),
@@ -119,64 +119,61 @@ FAMILIES = {
     "curves of Hart's linkage": Family("hart", ["F_x", "F_y", "P_x"], 37),
     "curves by the line": Family("hart", ["phi", "P_x"], 37, {"input": "F_y"}),
     # Lanes are designs.
-    "few angles": Family("planar_4r", MOTION, 5),
-    "reductions": Family("planar_4r", REDUCED, 9, SAMPLED),
-    "fluctuation over two angles": Family("planar_4r", ["T41_fluctuation", "omega4_rms"], 2, SAMPLED),
-    "paths of points": Family("planar_4r", ["P_straightness", "A_roundness"], 7),
-    "curves and reductions": Family("planar_4r", ["omega4", "omega4_max"], 37, SAMPLED),
-    "systems": Family("planar_4r", ["F32_x", "T41", "T41_max"], 5, {"solver": "dense"} | SAMPLED),
-    "designs": Family("planar_4r", ["swing", "grashof_class", "time_ratio", "status"], 4),
+    "few angles": planar(MOTION, 5),
+    "reductions": planar(REDUCED, 9, SAMPLED),
+    "fluctuation over two angles": planar(["T41_fluctuation", "omega4_rms"], 2, SAMPLED),
+    "paths of points": planar(["P_straightness", "A_roundness"], 7),
+    "curves and reductions": planar(["omega4", "omega4_max"], 37, SAMPLED),
+    "systems": planar(["F32_x", "T41", "T41_max"], 5, {"solver": "dense"} | SAMPLED),
+    "designs": planar(["swing", "grashof_class", "time_ratio", "status"], 4),
     "flags": Family("minkowski_4r", ["linkage_type", "configuration_status", "status"], 37),
     "designs of the focal mechanism": Family("focal", ["status"], 4),
     "designs of Hart's linkage": Family("hart", ["stroke", "status"], 4),
-    "derivatives": Family("planar_4r", ["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
-    "error bounds of extremes": Family(
-        "planar_4r", ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
+    "derivatives": planar(["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
+    "error bounds of extremes": planar(
+        ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
     ),
-    "derivatives of extremes": Family("planar_4r", [*GRADIENTS, "omega4_min_gradient_status"]),
-    "changes by tolerances": Family(
-        "planar_4r",
+    "derivatives of extremes": planar([*GRADIENTS, "omega4_min_gradient_status"]),
+    "changes by tolerances": planar(
         ["omega4_worst_change", "theta4_min_worst_change", "transmission_angle_min_worst_change"],
         9,
         more=TOLERANCES,
     ),
-    "derivatives of extremes by another joint": Family(
-        "planar_4r", ["d_joint_angle_4_max_d_a1", "joint_angle_4_min_gradient_status"], options=DRIVEN
+    "derivatives of extremes by another joint": planar(
+        ["d_joint_angle_4_max_d_a1", "joint_angle_4_min_gradient_status"], options=DRIVEN
     ),
     "derivatives of extremes with kinks": Family(OWN, ["d_load_min_d_a2", "load_min_gradient_status"]),
-    "derivatives of reductions": Family(
-        "planar_4r", ["d_omega4_rms_d_a2", GRADIENTS[0], "omega4_mean_gradient_status"], 9, SAMPLED
+    "derivatives of reductions": planar(
+        ["d_omega4_rms_d_a2", GRADIENTS[0], "omega4_mean_gradient_status"], 9, SAMPLED
     ),
-    "error bounds": Family("planar_4r", ["omega4_error", "omega4_trust", "T41_error"], 5),
+    "error bounds": planar(["omega4_error", "omega4_trust", "T41_error"], 5),
     "reduced rapidity": Family("minkowski_4r", ["psi_max", "psi_rms"], 9, SAMPLED),
     # Every extreme: a search by samples, and roots.
-    "extremes": Family("planar_4r", ["omega4_max", "theta1_at_omega4_max", "transmission_angle_min"]),
-    "extremes of forces": Family("planar_4r", ["T41_max", "F32_max"]),
-    "extremes of one branch": Family("planar_4r", ["omega4_min"], 9, {"branch": 1}),
-    "lists of extremes": Family("planar_4r", ["alpha4_extrema", "T41_extrema"]),
+    "extremes": planar(["omega4_max", "theta1_at_omega4_max", "transmission_angle_min"]),
+    "extremes of forces": planar(["T41_max", "F32_max"]),
+    "extremes of one branch": planar(["omega4_min"], 9, {"branch": 1}),
+    "lists of extremes": planar(["alpha4_extrema", "T41_extrema"]),
     # A list, and in its kernel a quantity with more extremes than that has room for.
-    "a list beside other extremes": Family("planar_4r", ["alpha4_extrema", "joint_omega_2_max"]),
-    "lists of extremes with toggles": Family("planar_4r", ["curvature_extrema_error", "P_x_max_error"]),
-    "lists of extremes with folds": Family(
-        "planar_4r", ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}
+    "a list beside other extremes": planar(["alpha4_extrema", "joint_omega_2_max"]),
+    "lists of extremes with toggles": planar(["curvature_extrema_error", "P_x_max_error"]),
+    "lists of extremes with folds": planar(
+        ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}
     ),
     "lists of extremes with kinks": Family(
         OWN, ["lower_extrema", "T41_extrema"], more={"T_load_quadratic": 1e6}
     ),
-    "angles that jump": Family("planar_4r", ["theta4_max", "theta4_min", "theta2_extrema"]),
+    "angles that jump": planar(["theta4_max", "theta4_min", "theta2_extrema"]),
     "what is made of angles that jump": Family(
         OWN, ["between_max_error", "between_extrema"], more={"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8}
     ),
-    "extremes over an arc": Family(
-        "planar_4r", ["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}
-    ),
+    "extremes over an arc": planar(["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}),
     "extremes in pieces": Family(
         SIX_BAR,
         ["F_x_max", "F_x_max_error", "d_F_x_max_d_a1", "F_x_extrema", "theta_low", "theta_low_by", "status"],
         options={"branch": (1, 2, 3, 4)},
     ),
-    "extremes with poles": Family("planar_4r", ["mechanical_advantage_max", "mechanical_advantage_extrema"]),
-    "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),
+    "extremes with poles": planar(["mechanical_advantage_max", "mechanical_advantage_extrema"]),
+    "extremes by another joint": planar(["joint_omega_4_max"], 9, DRIVEN),
     "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
 }
 
@@ -189,8 +186,7 @@ def few(*names):
 
 def kernels(request):
     """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
-    found = []
-    space = request.evaluated
+    found, space = [], request.evaluated
     size = space.size
     for kernel in request.kernels:
         program = kernel.program

@@ -5,8 +5,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from tests.support.configurations import PLANAR
-from tests.support.curve_designs import design_of
+from tests.support.configurations import PLANAR, design_of
 
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.expression import ExpressionGraph

@@ -16,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 import fastlink as fl
-from tests.hostile import doings, objects
+from tests.hostile import doings
 from tests.hostile.doors import DOORS
 from tests.hostile.judge import attempt, judged
 from tests.hostile.texts import ROOT, SMALL, command_lines, studies, tables
@@ -93,8 +93,7 @@ def namespace():
         Path(table.name).write_bytes(table.read_bytes())
     if not os.path.lexists("loop"):
         os.symlink("loop", "loop")
-    modules = (objects, doings)
-    named = {name: one for module in modules for name, one in vars(module).items() if name[0] != "_"}
+    named = {name: one for name, one in vars(doings).items() if name[0] != "_"}
     space = fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=1.0, omega1=25.0)
     bars = fl.round_bar(density=7750.0, radius=0.01)
     options = {"angles": 8, "threads": 1}

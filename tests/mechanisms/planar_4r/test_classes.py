@@ -7,8 +7,14 @@ import mpmath as mp
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.configurations import DIGITS, LENGTHS, designs, random_lengths, reference
-from tests.support.curve_designs import apart_from_change_points
+from tests.support.configurations import (
+    DIGITS,
+    LENGTHS,
+    apart_from_change_points,
+    designs,
+    random_lengths,
+    reference,
+)
 from tests.support.sweeps import sweep_4r
 
 import fastlink as fl

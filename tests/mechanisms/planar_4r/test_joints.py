@@ -6,8 +6,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.configurations import DIGITS, LENGTHS, near_change_point, random_lengths
-from tests.support.curve_designs import design_of
+from tests.support.configurations import DIGITS, LENGTHS, design_of, near_change_point, random_lengths
 
 import fastlink as fl
 from fastlink.facts.evaluate import read_facts
