@@ -79,7 +79,7 @@ def refused(*arguments):
     return [line.removeprefix("fastlink: ") for line in lines]
 
 
-def test_run_writes_the_map_and_ends_with_the_summary(folder):
+def test_run_writes_the_map_and_ends_with_the_summary_unless_quiet(folder):
     done = called("run", "study.toml")
     assert (done.exit_code, done.stderr) == (0, "")
     with fl.open("study.h5") as maps:
@@ -93,9 +93,6 @@ def test_run_writes_the_map_and_ends_with_the_summary(folder):
     assert rows[-3].endswith("designs/s")
     assert rows[-2].endswith("roundings, of 20")
     assert rows[-1].split()[1] == str(folder / "study.h5")
-
-
-def test_run_to_another_file_quietly(folder):
     done = called("run", "study.toml", "--to", "other.h5", "--threads", "1", "--quiet")
     assert (done.exit_code, done.output) == (0, "")
     with fl.open("other.h5") as maps:
@@ -290,7 +287,7 @@ def test_plots_of_maps_rows_and_fronts_are_written(mapped):
         assert (mapped / picture).exists()
 
 
-def test_best_lists_designs(mapped):
+def test_best_lists_designs_in_degrees_where_asked(mapped, folder):
     done = called(
         "best", "study.h5", "--minimise", "omega4_max", "--where", "a3=0.7:", "--top", 2, "--degrees"
     )
@@ -304,9 +301,6 @@ def test_best_lists_designs(mapped):
     shown = [[float(cell) for cell in row.split()] for row in rows]
     assert shown == [[float(f"{expected[n][k]:g}") for n in names.split()] for k in range(2)]
     assert "a1 = 0.4 m" in same
-
-
-def test_best_shows_degrees_where_a_condition_is_in_degrees(folder):
     Path("study.toml").write_text(
         Path("study.toml").read_text().replace('"omega4_max"', '"omega4_max", "swing"')
     )

@@ -150,7 +150,7 @@ def test_what_no_file_can_be_called_is_refused_wherever_a_file_is_read(door, key
         fl.table("a\0b.csv")
 
 
-def test_a_path_may_begin_at_home_and_be_any_path_like(folder, monkeypatch):
+def test_a_path_may_begin_at_home_be_any_path_like_and_as_long_as_its_neighbours_allow(folder, monkeypatch):
     class Entry:
         def __fspath__(self):
             return "~/by_entry.h5"
@@ -159,9 +159,6 @@ def test_a_path_may_begin_at_home_and_be_any_path_like(folder, monkeypatch):
     sweep(to=Entry(), verify=0).close()
     with fl.open("~/by_entry.h5") as maps:
         assert maps.sizes["a2"] == 2
-
-
-def test_the_longest_name_has_room_for_what_is_beside_it(folder):
     for length in (LONGEST_FILE_NAME - less for less in (20, 13, 12, 5, 0)):
         try:
             sweep(to="x" * length, verify=0).close()

@@ -65,7 +65,7 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
         fl.planar.force_balance(design)
 
 
-def test_the_flywheel_takes_up_the_fluctuation():
+def test_the_flywheel_takes_up_the_fluctuation_also_of_a_map_in_a_file(tmp_path):
     maps = sweep_4r(fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
     inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
     assert inertia.dims == maps.T41_fluctuation.dims
@@ -73,9 +73,6 @@ def test_the_flywheel_takes_up_the_fluctuation():
     # Torques grow with the square of the speed: the flywheel is the same, to some roundings of the torques (1e-13).
     assert_allclose(inertia.sel(omega1=5.0), inertia.sel(omega1=25.0), rtol=1e-11)
     assert_array_equal(inertia.sel(omega1=5.0), maps.T41_fluctuation.sel(omega1=5.0) / (0.02 * 25.0))
-
-
-def test_the_flywheel_of_a_map_in_a_file(tmp_path):
     crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
     maps = sweep_both("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)
     expected = fl.planar.flywheel_inertia(maps, C_s=0.02)

@@ -191,16 +191,13 @@ def test_a_kernel_that_numba_compiles_has_no_llvm_of_ours(study, monkeypatch):
     assert "compiled by numba, for the translator refuses it: kernel, line 3" in found
 
 
-def test_the_command(study):
+def test_the_command_and_every_option_of_a_sweep_explain(study):
     brief = CliRunner().invoke(app, ["explain", str(study)])
     assert brief.exit_code == 0
     assert "asked for: omega4, status" in brief.output
     assert "def kernel(" not in brief.output
     long = CliRunner().invoke(app, ["explain", str(study), "--text"])
     assert "def kernel(" in long.output
-
-
-def test_every_option_of_a_sweep_is_one_of_an_explanation():
     request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["theta4"]
     assert fl.explain(*request, part=(1, 2), measure=False).results == ("theta4", "status")
     with pytest.raises(fl.InputError, match="part is 1/3, but there are 2 designs"):

@@ -224,7 +224,7 @@ def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism
     assert compared == len(names)
 
 
-def test_changes_are_made_of_the_derivatives_that_are_offered():
+def test_changes_are_made_of_derivatives_whose_status_comes_along():
     for name in ("omega4_max", "theta1_at_omega4_max", "omega4_mean", "omega4"):
         slopes = [f"d_{name}_d_{by}" for by in ("a1", "a2", "a3")]
         found = swept([f"{name}_worst_change", f"{name}_rss_change", *slopes], angles=8)
@@ -235,9 +235,6 @@ def test_changes_are_made_of_the_derivatives_that_are_offered():
             found[f"{name}_rss_change"], np.sqrt(sum(term**2 for term in terms)), rtol=8 * 2.0**-52
         )
         assert found[f"{name}_rss_change"].attrs["units"] == ("rad" if "theta1" in name else "rad s-1")
-
-
-def test_the_status_of_the_derivatives_comes_along():
     # two places tie, the motion has limits
     found = swept(["B_y_min_rss_change", "theta1_at_B_y_min_worst_change"], {"a1_tolerance": 1e-4})
     assert list(found.data_vars)[:3] == [
@@ -249,7 +246,7 @@ def test_the_status_of_the_derivatives_comes_along():
     assert (infinite.omega4_max_gradient_status == 3).all()
 
 
-def test_an_axis_of_tolerances_only_scales_the_changes():
+def test_changes_scale_with_tolerances_and_have_extremes_over_the_cycle():
     space = fl.grid(DESIGN_CHANGE | {"a2": [1.1, 1.2], "a2_tolerance": [1e-5, 1e-4, 1e-3]})
     names = ["omega4_max_worst_change", "omega4_rms_rss_change", "omega4_rss_change"]
     found = sweep_4r(space, names, angles=4)
@@ -261,9 +258,6 @@ def test_an_axis_of_tolerances_only_scales_the_changes():
     # with a second tolerance that stays it does not; the speed still does
     both = fl.grid(DESIGN_CHANGE | {"omega1": [1.0, 2.0], "a1_tolerance": 1e-4, "a2_tolerance": [1e-5, 1e-4]})
     assert sweep_4r(both, names[:1]).attrs["scaling_axis"] == "omega1"
-
-
-def test_a_change_over_the_cycle_has_its_extremes():
     found = swept(
         ["theta4_worst_change_max", "theta1_at_theta4_worst_change_max", "theta4_worst_change_mean"]
     )

@@ -397,7 +397,7 @@ def test_what_is_no_part_is_refused(tmp_path, grid_parts):
     joined_to(tmp_path, tmp_path).close()  # in a folder, others are passed over
 
 
-def test_a_damaged_part_is_refused_by_name_and_its_new_run_joined(tmp_path, monkeypatch):
+def test_damaged_parts_labels_and_marks_are_refused_and_a_new_run_joined(tmp_path, monkeypatch, grid_parts):
     monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
     of = (*LARGE, {"theta1": 72})
     paths = parts_of(of, tmp_path)
@@ -410,9 +410,6 @@ def test_a_damaged_part_is_refused_by_name_and_its_new_run_joined(tmp_path, monk
     sweep(of, part=(3, 3), to=paths[2], overwrite=True).close()
     with joined_to(tmp_path, paths, copy=True) as joined:
         assert_same(joined, sweep(of, to=tmp_path / "whole.h5"))
-
-
-def test_damaged_labels_and_marks_are_refused(tmp_path, grid_parts):
     content = grid_parts[1].read_bytes()
     for text in (b"part_number", b"Euclidean", b"whole_fingerprint"):
         flip(grid_parts[1], content.index(text) + 2)

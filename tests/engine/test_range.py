@@ -61,7 +61,7 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
         fl.evaluate("planar_4r", ["status"], **given)
 
 
-def test_axes_columns_by_number_and_fixed_values():
+def test_designs_of_tables_axes_and_fixed_values_are_flagged(tmp_path):
     speeds = [1e-100, 1.0, 2.0]
     swept = sweep_4r(fl.grid(**DESIGN | {"omega1": speeds}), ["omega4_max"])
     assert "scaling_axis" not in swept.attrs
@@ -73,9 +73,6 @@ def test_axes_columns_by_number_and_fixed_values():
         fl.function("planar_4r", ["a2"], ["omega4_max"], a1=1e-200, a3=0.8, a4=1.0, omega1=25.0)
     with pytest.raises(InputError, match=r"links: density is 1e\+100"):
         sweep_4r(DESIGN, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01))
-
-
-def test_verification_leaves_them_out(tmp_path):
     table = fl.table(DESIGN | {"a2": [1.2, 1e100, 1.3]})
     found = sweep_4r(table, ["omega4_max"], to=tmp_path / "map.h5", verify=3)
     assert found.attrs["verified_designs"] == 2

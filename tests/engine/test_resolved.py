@@ -251,15 +251,13 @@ def test_what_is_declared_anew_is_planned_anew():
     assert second.version == second.version
 
 
-def test_a_changed_plan_has_a_text_of_its_own():
+def test_a_changed_plan_has_a_text_of_its_own_and_threads_may_ask_at_once():
     (program, *_) = plan_of(["omega4_mean"]).programs
     kernel, other = kernel_of(program), kernel_of(replace(program, branches=(1,)))
     assert kernel_of(program) is kernel
     assert other.text != kernel.text
     assert other.key != kernel.key
 
-
-def test_threads_may_ask_at_once():
     def ask(k):
         lengths = LENGTHS_KEPT | {"a2": 1.2 + 0.001 * (k % 7)}
         maps = sweep_4r(fl.grid(**lengths, omega1=25.0), ["omega4_max"], threads=1)
@@ -368,6 +366,9 @@ def wide(**axes):
 def test_what_does_not_fit_is_refused_with_the_remedy_before_anything_is_compiled(
     small_machine, monkeypatch, tmp_path
 ):
+    function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
+    with refused("the result", "pass fewer designs at once"):
+        function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
     monkeypatch.setattr(Kernel, "compiled", lambda *_: pytest.fail("compiled"))
     # theta4 in two modes at 360 angles: 5.8 kB a design
     with refused("the result", "write it to a file with to='maps.h5'"):
@@ -386,9 +387,6 @@ def test_what_does_not_fit_is_refused_with_the_remedy_before_anything_is_compile
             np.asarray(space.columns["a1"])
         with refused("the result", "to='maps.h5'"):
             sweep_4r(space, ["swing"])
-    function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
-    with refused("the result", "pass fewer designs at once"):
-        function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
 
 
 def test_what_fits_is_not_refused(small_machine, tmp_path):

@@ -535,7 +535,7 @@ def exact(degrees):
         return float(mp.mpf(degrees) * mp.pi / 180)
 
 
-def test_degrees_are_rounded_once():
+def test_degrees_of_inputs_are_rounded_once():
     """The sum of two doubles has pi/180 to 2^-106; the chance that a product is rounded otherwise is 2^-50 each."""
     rng = np.random.default_rng(1)
     values = [*range(-720, 721), *rng.uniform(-400, 400, 2000), 1e-300, 5e-324, 1e15, 1e300, 1.7e308, 0.1]
@@ -545,6 +545,14 @@ def test_degrees_are_rounded_once():
     assert_array_equal(radians([np.inf, np.nan]), [np.inf, np.nan])
     with mp.workprec(300):
         assert abs(mp.pi - mp.mpf(PI.numerator) / PI.denominator) < mp.mpf(2) ** -280
+    # Of a grid; that all doors take units by name alike is tested with lengths.
+    name = "counterweight1_direction"
+    got, expected = (
+        fl.sweep("planar_4r", fl.grid(**DESIGN, **WEIGHT, **given), ["shaking_force_max"], links=BARS)
+        for given in ({f"{name}_deg": ANGLES}, {name: [exact(value) for value in ANGLES]})
+    )
+    xr.testing.assert_equal(got, expected)
+    assert got[name].attrs["comment"] == "given in degrees"
 
 
 def test_input_positions_in_degrees():
@@ -576,17 +584,6 @@ def test_labelled_and_unlabelled_configurations_in_degrees():
 
 def radians_of(theta):
     return theta.copy(data=radians(theta.values)) if hasattr(theta, "dims") else radians(theta)
-
-
-def test_inputs_in_degrees():
-    """Of a grid; that all doors take units by name alike is tested with lengths."""
-    name = "counterweight1_direction"
-    got, expected = (
-        fl.sweep("planar_4r", fl.grid(**DESIGN, **WEIGHT, **given), ["shaking_force_max"], links=BARS)
-        for given in ({f"{name}_deg": ANGLES}, {name: [exact(value) for value in ANGLES]})
-    )
-    xr.testing.assert_equal(got, expected)
-    assert got[name].attrs["comment"] == "given in degrees"
 
 
 def labelled(values, units):

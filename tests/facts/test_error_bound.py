@@ -235,7 +235,7 @@ def test_bounds_have_labels(swept):
     assert result.omega4_trust.attrs["flag_meanings"] == "trusted ill_conditioned not_finite"
 
 
-def test_trust_tells_where_digits_are_known(swept):
+def test_bounds_have_labels_and_tell_where_digits_are_known(swept):
     for name, result in swept.items():
         for quantity in SWEPT[name][2]:
             value, error, code = (result[f"{quantity}{x}"].values for x in ("", "_error", "_trust"))
@@ -250,9 +250,6 @@ def test_trust_tells_where_digits_are_known(swept):
         fl.evaluate("planar_4r", ["A_x_trust"], theta1=np.nan, allow_invalid=True, **lengths)["A_x_trust"]
         == 2.0
     )
-
-
-def test_at_toggles_and_folds_a_bound_says_how_much_is_known():
     names = ["transmission_angle", "theta4"]
     judged = [f"{name}_error" for name in names]
     kite = {"a1": 1.0, "a2": 2.0, "a3": 2.0, "a4": 1.0}

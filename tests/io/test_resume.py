@@ -355,7 +355,9 @@ def test_more_verified_designs_and_the_last_value_of_a_long_attribute_make_anoth
         swept(tmp_path / "verified.h5", verify=64)
 
 
-def test_a_table_that_changed_since_is_another_request(tmp_path):
+def test_a_table_or_map_that_changed_since_is_another_request_and_so_is_another_version(
+    tmp_path, path, monkeypatch
+):
     path, table = tmp_path / "maps.h5", tmp_path / "designs.csv"
     table.write_text("a1,a2\n0.4,1.1\n0.5,1.2\n")
     constants = {"a3": 0.8, "a4": 1.0, "omega1": 2.0}
@@ -364,9 +366,6 @@ def test_a_table_that_changed_since_is_another_request(tmp_path):
     table.write_text("a1,a2\n0.4,1.1\n0.5,1.3\n")
     with refused("other a2"):
         swept(path, space=fl.table(table).with_constants(constants))
-
-
-def test_a_map_that_was_changed_since_is_not_up_to_date(path, tmp_path):
     time.sleep(0.02)  # two ticks of a kernel's clock of 100 Hz
     with h5py.File(path, "r+") as file:
         file["omega4"][0, 0, 0] = 7.0
@@ -378,9 +377,6 @@ def test_a_map_that_was_changed_since_is_not_up_to_date(path, tmp_path):
     swept(tmp_path / "copy.h5").close()  # a copy with its times
     os.utime(path, ns=(0, path.stat().st_mtime_ns // 10**9 * 10**9))
     swept(path).close()  # moved to a file system that knows whole seconds
-
-
-def test_a_map_by_another_version_is_not_up_to_date(path, monkeypatch):
     from fastlink.engine import labels, resolve
 
     monkeypatch.setattr(labels, "__version__", "9.9")

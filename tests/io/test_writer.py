@@ -68,7 +68,7 @@ def test_the_layout_is_contiguous_aligned_and_without_slack(tmp_path):
     assert 160_000 < path.stat().st_size < 160_000 + 40_000
 
 
-def test_the_name_exists_only_when_the_file_is_complete(tmp_path):
+def test_the_name_exists_only_when_the_file_is_finished(tmp_path):
     sample = Sample()
     with sample.writer(tmp_path / "m.h5") as writer:
         sample.fill(writer)
@@ -79,6 +79,13 @@ def test_the_name_exists_only_when_the_file_is_complete(tmp_path):
             open_map(tmp_path / "m.h5")
         writer.finish({})
         assert left_in(tmp_path) == ["m.h5"]
+    with Sample().writer(tmp_path / "m.h5") as writer:
+        pass
+    assert left_in(tmp_path) == []
+    with pytest.raises(ValueError, match="the file is closed"):
+        writer.write("status", 0, np.zeros(1, "i1"))
+    with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
+        writer.finish({})
 
 
 @pytest.mark.parametrize("moment", ["before", "between"])
@@ -94,17 +101,14 @@ def test_a_failed_run_leaves_nothing(tmp_path, moment):
     assert left_in(tmp_path) == []
 
 
-def test_a_run_that_is_not_finished_leaves_nothing(tmp_path):
-    with Sample().writer(tmp_path / "m.h5") as writer:
-        pass
-    assert left_in(tmp_path) == []
-    with pytest.raises(ValueError, match="the file is closed"):
-        writer.write("status", 0, np.zeros(1, "i1"))
-    with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
-        writer.finish({})
-
-
-def test_who_has_an_overwritten_file_open_goes_on_reading_it(tmp_path):
+def test_an_existing_file_is_kept_unless_overwritten_for_whom_has_it_open_even_then(tmp_path):
+    path = Sample().save(tmp_path / "m.h5")
+    before = digest(path)
+    with pytest.raises(InputError) as caught:
+        Sample(seed=1).writer(path)
+    assert str(caught.value) == f"to: {path}: the file exists; choose another name, or write overwrite=True"
+    assert digest(path) == before
+    assert left_in(tmp_path) == ["m.h5"]
     old, new = Sample(seed=0), Sample(seed=1)
     path = old.save(tmp_path / "m.h5")
     with open_map(path) as reader:
@@ -112,16 +116,6 @@ def test_who_has_an_overwritten_file_open_goes_on_reading_it(tmp_path):
         xr.testing.assert_identical(reader, old.expected())
     with open_map(path) as reader:
         xr.testing.assert_identical(reader, new.expected())
-    assert left_in(tmp_path) == ["m.h5"]
-
-
-def test_an_existing_file_is_kept_unless_overwritten(tmp_path):
-    path = Sample().save(tmp_path / "m.h5")
-    before = digest(path)
-    with pytest.raises(InputError) as caught:
-        Sample(seed=1).writer(path)
-    assert str(caught.value) == f"to: {path}: the file exists; choose another name, or write overwrite=True"
-    assert digest(path) == before
     assert left_in(tmp_path) == ["m.h5"]
 
 

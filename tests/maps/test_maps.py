@@ -173,7 +173,7 @@ def test_equal_values_and_few_values(maps):
         maps.fastlink.top(3, "omega4_max", where="invalid_input")
 
 
-def test_meanings_of_status_select(maps):
+def test_meanings_of_status_select_and_the_best_are_swept_again_to_the_same_bits(maps):
     rows = maps.fastlink.top(5, "omega4_max", largest=False, where="rotates fully")
     assert (rows.status == 0).all()
     xr.testing.assert_identical(
@@ -181,6 +181,10 @@ def test_meanings_of_status_select(maps):
     )
     mean = maps.mean("a4").fastlink.top(2, "transmission_angle_min")
     assert mean.sizes["design"] == 2
+    rows = maps.sel(branch=2).fastlink.top(7, "omega4_max", where="rotates fully")
+    again = fl.sweep("planar_4r", rows.fastlink.designs, ["omega4_max", "transmission_angle_min"], branch=2)
+    for name in ("omega4_max", "transmission_angle_min"):
+        assert_array_equal(again[name], rows[name])
 
 
 def test_rankings_without_sense_are_refused(maps):
@@ -198,13 +202,6 @@ def test_rankings_without_sense_are_refused(maps):
         maps.fastlink.top(3, "omega4_max", where=maps.theta4 > 0)
     with refused("where", "rotates_fully"):
         maps.fastlink.top(3, "omega4_max", where="turns fully")
-
-
-def test_the_best_designs_are_swept_again_to_the_same_bits(maps):
-    rows = maps.sel(branch=2).fastlink.top(7, "omega4_max", where="rotates fully")
-    again = fl.sweep("planar_4r", rows.fastlink.designs, ["omega4_max", "transmission_angle_min"], branch=2)
-    for name in ("omega4_max", "transmission_angle_min"):
-        assert_array_equal(again[name], rows[name])
 
 
 @pytest.mark.parametrize("text", ["m**9**9**9**9", "(" * 3 + "m", "m" * 100, "m**99999999"])

@@ -79,7 +79,7 @@ def test_a_mean_over_the_motion_is_an_integral():
     assert all(np.isnan(maps[name]).all() for name in names[:3])
 
 
-def test_derivatives_of_means_count_the_same_positions():
+def test_derivatives_and_verification_of_means_count_the_same_positions(tmp_path):
     names = ["A_x_mean", "d_A_x_mean_d_a1", "A_x_mean_gradient_status"]
     given = swept(names, theta1=ALL)
     # A_x is a1 cos(theta1): the derivative of the mean of samples is that mean over a1, of 1
@@ -88,9 +88,6 @@ def test_derivatives_of_means_count_the_same_positions():
     turn = swept(names, theta1=96)
     assert np.isnan(turn.d_A_x_mean_d_a1.item())  # the limits of the integral move
     assert int(turn.A_x_mean_gradient_status.item()) == 10
-
-
-def test_the_verification_counts_the_same_positions(tmp_path):
     names = ["A_x_mean", "A_y_rms", "G1_x_max", "v1_dot_min", "A_x_min"]
     space = fl.grid(a1=np.linspace(0.5, 1.5, 8), a2=0.6, a3=0.7, a4=1.2, G1_u=0.3, G1_v=0.1, omega1=2.0)
     maps = sweep_4r(space, names, theta1=60, extrema="sampled", to=tmp_path / "map.h5", verify=8)

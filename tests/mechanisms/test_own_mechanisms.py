@@ -176,15 +176,12 @@ def test_what_is_no_sheet_is_refused(file):
         fl.mechanism(file)
 
 
-def test_a_fact_may_be_made_of_a_derivative_of_the_input_angle_alone(tmp_path):
+def test_facts_of_derivatives_and_of_what_ends_within_the_range_are_evaluated(tmp_path):
     height = "h [m] h: Height\n    = r * cos_tilt\nh_rate [m s-1] h: Rate\n    = omega * d_h_d_tilt\n"
     mine = fl.mechanism(written(tmp_path, SLIDER.replace("{0}", "C0") + height))
     found = fl.evaluate(mine, ["h_rate"], r=0.5, l=1.0, e=0.1, omega=2.0, tilt=0.3, branch=1)["h_rate"]
     assert found == pytest.approx(-np.sin(0.3), rel=1e-15)
-
-
-def test_what_may_end_within_the_range_has_the_extremes_of_samples(tmp_path):
-    """A second dyad ends where its own root does, which Z0 and C0 do not know."""
+    # A second dyad ends where its own root does, which Z0 and C0 do not know.
     dyad = "y [m] y: A second dyad\n    square = 4.0 * r * r - x * x\n    = sqrt(square)\n"
     mine = fl.mechanism(written(tmp_path, SLIDER.replace("{0}", "C0") + dyad))
     maps = fl.sweep(

@@ -283,7 +283,7 @@ def legend(figure, word):
     return found
 
 
-def test_forces_are_arrows_in_their_directions():
+def test_forces_are_arrows_and_torques_curved_ones_in_their_directions():
     given = CURVED | {"omega1": 20.0, "theta1": 1.0}
     figure = fl.draw("planar_4r", given, links=LINKS, branch=1, show="forces")
     vectors = np.array([np.subtract(one.xy, one.xyann) for one in arrows(figure)])
@@ -296,9 +296,6 @@ def test_forces_are_arrows_in_their_directions():
     ratio = np.hypot(*vectors.T) / np.hypot(*expected.T)
     assert_allclose(ratio, ratio[0], rtol=1e-12)  # 2^-53 of a coordinate of 1 in an arrow of a thousandth
     assert_allclose(np.arctan2(*vectors.T), np.arctan2(*expected.T), rtol=1e-12)
-
-
-def test_torques_are_curved_arrows_in_their_sense():
     given = {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5, "theta": 0.9}
     figure = fl.draw("slider_crank", given, links=LINKS, show="torques", branch=[1, 2])
     torques = fl.evaluate("slider_crank", ["T41"], **given, links=LINKS, branch=[1, 2])["T41"]
@@ -389,7 +386,7 @@ def lengths(figure):
 EXPECTED = pytest.approx((1.1, 0.8), rel=1e-14)
 
 
-def test_a_design_by_its_number_and_by_its_values(maps, place, tmp_path):
+def test_designs_by_number_values_or_row_have_their_mode_and_position(maps, place, tmp_path):
     for name, text in (("study", STUDY), ("single", SINGLE)):
         (tmp_path / f"{name}.toml").write_text(text)
     near = {"at": {"a2": 1.12, "a3": 0.79}}
@@ -401,9 +398,6 @@ def test_a_design_by_its_number_and_by_its_values(maps, place, tmp_path):
     assert lengths(fl.draw(place, 3)) == EXPECTED
     figure = fl.draw(tmp_path / "study.toml", 3, theta1=1.0, show="forces", branch=2)  # with its links
     assert (lengths(figure), len(arrows(figure))) == (EXPECTED, 4)
-
-
-def test_a_row_has_its_assembly_mode_and_its_position(maps):
     rows = maps.fastlink.top(2, "transmission_angle")
     figure = fl.draw(rows, 1)
     crank = bars(figure)["O", "A", str(int(rows.branch[1]))][1]

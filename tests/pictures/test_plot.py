@@ -149,11 +149,18 @@ def test_gaps_along_a_sample_are_one_shape_however_many_they_are():
         assert len(shape.get_paths()) > 20
 
 
-def test_modes_that_agree_are_one_panel_and_others_two(maps):
+def test_modes_that_agree_are_one_panel_others_two_and_one_alone_has_its_name(maps):
     assert len(panels(fl.plot(maps, "omega4_max", at={"a4": 1.0}))) == 1
     differ = panels(fl.plot(maps, "theta1_at_omega4_max", at={"a4": 1.0}))
     assert [axes.get_title() for axes in differ] == ["branch 1", "branch 2"]
     assert_array_equal(cells(differ[1]), maps["theta1_at_omega4_max"].sel(branch=2, a4=1.0).T)
+    space = fl.grid(a1=[0.2, 0.5], a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+    one = fl.sweep("planar_4r", space, ["omega4_max"], branch=2)
+    assert "branch" not in one.dims
+    for options in ({}, {"branch": 2}):
+        assert drawn(one, "omega4_max", **options).get_suptitle().endswith("branch 2")
+    with refused("branch", "2"):
+        fl.plot(one, "omega4_max", branch=1)
 
 
 def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
@@ -394,16 +401,6 @@ def test_labels_of_designs_stand_along_the_axis_as_they_are(path, flat):
         a1=[2.0, 1.0, 2.0, 1.0]
     )  # the status is that of the cell, not of its coordinate
     assert legend(drawn(equal, "omega4_max", branch=1)) == legend(drawn(flat, "omega4_max", branch=1))
-
-
-def test_a_map_of_one_mode_has_that_mode():
-    space = fl.grid(a1=[0.2, 0.5], a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
-    one = fl.sweep("planar_4r", space, ["omega4_max"], branch=2)
-    assert "branch" not in one.dims
-    for options in ({}, {"branch": 2}):
-        assert drawn(one, "omega4_max", **options).get_suptitle().endswith("branch 2")
-    with refused("branch", "2"):
-        fl.plot(one, "omega4_max", branch=1)
 
 
 def shaped(make):

@@ -189,7 +189,9 @@ KITE = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
 VANISHING = ["F_y", "B_x", "B_y", "dF_y_dphi", "dpsi_dphi", "omega_angle", "psi"]
 
 
-def test_what_vanishes_is_measured_against_the_lengths_that_made_it():
+def test_vanishing_values_are_measured_against_the_lengths_and_mismatches_where_they_should_vanish(
+    monkeypatch,
+):
     kites = {name: KITE[name] * np.arange(1.0, 33.0) for name in ("m", "n", "d")} | {
         "kappa": np.full(32, 0.5)
     }
@@ -198,9 +200,6 @@ def test_what_vanishes_is_measured_against_the_lengths_that_made_it():
     assert maps.F_y.attrs["error_max_relative"] > 0.0
     for name in VANISHING:  # at most 4 roundings of the value, or of the power of two near the longest bar
         assert maps[name].attrs["error_max_relative"] <= 4 * UNIT_ROUNDING * 8, name
-
-
-def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch):
     spoil(monkeypatch, lambda array: array + 1e-12)
     with pytest.warns(fl.InputWarning, match="F_y"):
         maps = fl.sweep(

@@ -289,7 +289,7 @@ def test_designs_that_are_not_there_are_refused(start, stop):
         fl.grid(a2=[1.0, 2.0, 3.0]).consecutive(start, stop)
 
 
-def test_a_sweep_of_consecutive_designs_gives_the_bits_of_the_whole():
+def test_sweeps_of_consecutive_designs_give_the_bits_of_the_whole_in_degrees_too():
     space = fl.grid(a2=np.linspace(1.0, 1.4, 7), a3=np.linspace(0.6, 1.0, 11), **FIXED)
     names = ["omega4_max", "transmission_angle_min"]
     maps = sweep_4r(space, names)
@@ -297,9 +297,6 @@ def test_a_sweep_of_consecutive_designs_gives_the_bits_of_the_whole():
     assert part.design.values.tolist() == list(range(20, 60))
     for name in names:
         assert_array_equal(part[name], maps[name].values.reshape(77, 2)[20:60])
-
-
-def test_angles_in_degrees_are_converted_block_by_block():
     degrees = np.linspace(10.0, 80.0, 6)
     space = fl.grid(a2=[1.1, 1.2], a3=0.8, counterweight1_direction_deg=degrees, **FIXED)
     whole_map = sweep_4r(space, ["transmission_angle_min"])

@@ -116,7 +116,7 @@ def test_a_bad_axis_is_refused_in_one_line(values, key, remedy):
         grid(a1=0.4, a2=values)
 
 
-def test_sobol_gives_the_first_points_of_scipys_sequence():
+def test_sobol_gives_scipys_first_points_and_notices_another_way(monkeypatch):
     n = 1000
     designs = sobol(n, seed=3, a1=(0.2, 0.4), a4=1.0, a2=(-1.0, 1.0))
     assert (designs.dims, designs.shape) == (("design",), (n,))
@@ -124,6 +124,14 @@ def test_sobol_gives_the_first_points_of_scipys_sequence():
     assert_array_equal(designs.columns["a1"], 0.2 + points[:, 0] * (0.4 - 0.2))
     assert_array_equal(designs.columns["a2"], -1.0 + points[:, 1] * 2.0)
     assert designs.constants == {"a4": 1.0}
+
+    class Changed(qmc.Sobol):
+        def random(self, n=1, workers=1):
+            return 1.0 - super().random(n)
+
+    monkeypatch.setattr(qmc, "Sobol", Changed)
+    with pytest.raises(RuntimeError, match="another way"):
+        fl.sobol(8, a1=UNIT)
 
 
 @pytest.mark.parametrize("sample", [sobol, latin_hypercube])
@@ -221,16 +229,6 @@ def test_the_farthest_points_are_those_of_the_gray_code():
                 for bit in range(53):
                     point ^= int(engine._sv[k, bit]) if gray >> bit & 1 else 0
                 assert Fraction(axis[number]) == Fraction(point, 2**53)
-
-
-def test_another_way_of_scipy_is_noticed(monkeypatch):
-    class Changed(qmc.Sobol):
-        def random(self, n=1, workers=1):
-            return 1.0 - super().random(n)
-
-    monkeypatch.setattr(qmc, "Sobol", Changed)
-    with pytest.raises(RuntimeError, match="another way"):
-        fl.sobol(8, a1=UNIT)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2**63 - 1])

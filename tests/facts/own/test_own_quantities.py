@@ -97,7 +97,7 @@ def test_verification_with_50_digits_finds_roundings_alone():
     assert maps.cost_error.attrs["verify_mismatches"] == 0
 
 
-def test_derivatives_are_those_of_differences():
+def test_derivatives_are_those_of_differences_and_bounds_cover_choices_that_rounding_makes():
     given = {**LENGTHS, "theta1": 1.0, "branch": 1}
     step = 2.0**-18
     for by in ("a1", "weight"):
@@ -106,9 +106,6 @@ def test_derivatives_are_those_of_differences():
         slope = fl.evaluate(mine, [f"d_cost_d_{by}"], **given)[f"d_cost_d_{by}"]
         # the third derivative over six times step^2, about 1e-10 of the value; rounding over the step
         assert abs((moved[1] - moved[0]) / (2 * step) - slope) < 1e-8 * max(abs(slope), 1.0)
-
-
-def test_error_bounds_cover_a_choice_that_rounding_makes():
     # where both forces are within their errors of each other, the bound is at least the greater of both errors
     maps = sweep_both(mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60)
     least = np.minimum(maps.F21_error, maps.F41_error)
@@ -325,7 +322,7 @@ def test_ten_thousand_terms(declared):
     assert math.isclose(found["long"], function(found["theta4"], 0.4, 1.2), rel_tol=1e-11)
 
 
-def test_what_python_has_no_room_for_is_refused_in_a_line(declared):
+def test_what_python_has_no_room_for_is_refused_and_more_kinks_than_are_searched_sampled(declared):
     for text in (" + ".join(["x"] * 100_000), "-" * 100_000 + "x"):
         with refused("quantities_file", TOO_LONG[1]):
             declared(f"    return {text}")
@@ -333,9 +330,6 @@ def test_what_python_has_no_room_for_is_refused_in_a_line(declared):
         with pytest.raises(InputError) as caught:
             declared(f"    return {text}")
         assert len(str(caught.value)) < 400
-
-
-def test_more_kinks_than_are_searched_make_extremes_those_of_samples(declared):
     for count, sampled in ((3, False), (100, True)):
         mine, _ = declared(f"    return {' + '.join(f'abs({k} - x)' for k in FACTORS[:count])}")
         catalogue = mine.catalogue()

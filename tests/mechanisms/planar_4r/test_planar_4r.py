@@ -119,7 +119,7 @@ def paths():
     return maps, np.stack([found["P_x"], found["P_y"]], axis=-1)
 
 
-def test_a_path_that_is_nearly_straight_has_the_narrowest_strip(paths):
+def test_paths_that_are_nearly_straight_or_round_have_the_narrowest_strip_and_ring(paths):
     """The reference is the convex hull. The sums of each point's distance have ten roundings of the path's size."""
     maps, points = paths
     whole = np.isfinite(points).all(axis=(-1, -2))
@@ -133,13 +133,10 @@ def test_a_path_that_is_nearly_straight_has_the_narrowest_strip(paths):
     assert (found[whole] >= exact[whole] - 10 * 2.0**-52 * size[whole]).all()
     assert np.median(found[whole] / exact[whole]) < 1.0 + 1e-12
     assert (found[whole] <= 1.05 * exact[whole]).all()
-
-
-def test_a_circle_is_round(paths):
-    """A coupler point in A runs on the circle of the crank; others are off the circle of the same fit by NumPy."""
+    # A coupler point in A runs on the circle of the crank; others are off the circle of the same fit by
+    # NumPy.
     crank = sweep_4r(fl.grid(**HOEKEN | {"P_u": 0.0}), ["P_roundness"], theta1=72)
     assert (crank.P_roundness < 20 * 2.0**-52).all()
-    maps, points = paths
     for design, branch in np.argwhere(np.isfinite(points).all(axis=(-1, -2)))[::40].tolist():
         own = points[design, branch] - points[design, branch].mean(axis=0)
         centre, *_ = np.linalg.lstsq(np.c_[own, np.ones(72)], (own * own).sum(axis=1), rcond=None)
