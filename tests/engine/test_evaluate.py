@@ -175,7 +175,6 @@ def test_results_of_evaluate_are_labelled_as_in_a_map(name):
 POSITIONS = [0.0, np.pi, np.pi / 2, 1.0, -1.0, 0.3, 2.0 * np.pi]
 #: Small whole numbers meet in change points, kites and folded positions; zeros where the rule allows them.
 NUMBERS = {"any": [0.0, 1.0, -1.0, 2.0, 0.5]}
-DRIVEN = [(mechanism, input) for mechanism in NAMES for input in inputs_of(mechanism)]
 
 
 def drawn(mechanism, known, rng):
@@ -191,7 +190,7 @@ def drawn(mechanism, known, rng):
 
 
 @pytest.mark.sample(3)
-@pytest.mark.parametrize(("mechanism", "input"), DRIVEN)
+@EVERY
 def test_every_quantity_alone_is_as_in_an_array(mechanism, input):
     mechanism, rng = catalogue(mechanism, input), np.random.default_rng(3)
     known, position = mechanism.known_inputs(()), mechanism.position.name

@@ -407,7 +407,6 @@ def test_a_map_is_swept_again_by_its_path(tmp_path):
 # == An axis that only scales results is multiplied, not evaluated again =====================================
 
 PLANAR_SCALED = catalogue("planar_4r")
-BAR = fl.round_bar(density=7750.0, radius=0.01)
 NAMES_SCALED = ["omega4", "T41_rms", "omega4_max"]
 NAMES_SCALED += ["alpha4_extrema", "theta1_at_shaking_force_max", "shaking_force_max"]
 COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 9), np.linspace(0.6, 1.0, 11)
@@ -415,7 +414,7 @@ COUPLERS, OUTPUTS = np.linspace(1.0, 1.4, 9), np.linspace(0.6, 1.0, 11)
 SPEEDS = np.array([0.5, 1.0, 8.0])
 
 
-def sweep_scaled(quantities=NAMES_SCALED, mechanism="planar_4r", links=BAR, **given):
+def sweep_scaled(quantities=NAMES_SCALED, mechanism="planar_4r", links=BARS, **given):
     options = {
         key: given.pop(key)
         for key in ("to", "block", "threads", "overwrite", "solver", "verify")
@@ -471,7 +470,7 @@ def test_any_speed_is_within_rounding():
 )
 def test_no_axis_is_used_that_does_more_than_scale(given, names):
     space = fl.grid(**{"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, **given})
-    assert resolve("planar_4r", space, names, links=BAR, branch=(1, 2)).scaling_axis is None
+    assert resolve("planar_4r", space, names, links=BARS, branch=(1, 2)).scaling_axis is None
 
 
 @pytest.mark.parametrize(

@@ -23,10 +23,10 @@ from tests.support.precision import (
     plain,
     wrong,
 )
-from tests.support.registry import ENTRIES
+from tests.support.registry import ENTRIES, every_input
 
 from fastlink.facts.powers import any_beyond_range
-from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.mechanisms import NAMES
 from fastlink.precision.reference import CONTEXT as MP
 
 FAMILIES = [pytest.param(entry, kind, id=f"{entry}-{kind}") for entry in ENTRIES for kind in entry.families]
@@ -35,9 +35,7 @@ DIFFERENTIATED = [entry for entry in ENTRIES if entry.solver == "eliminated"]
 DIGITS_LEFT = MP.mpf(10) ** -44
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
-)
+@every_input
 def test_every_mechanism_and_input_is_tested_and_every_quantity(mechanism, drive):
     entries = [entry for entry in ENTRIES if (entry.mechanism, entry.input) == (mechanism, drive)]
     assert entries, f"no entry of {mechanism} driven by {drive} in tests/support/registry.py"

@@ -5,6 +5,7 @@ import sys
 
 import pytest
 from tests.support.refusals import refused
+from tests.support.registry import every_input
 from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
@@ -17,9 +18,7 @@ DRIVEN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "joint_omega_2": 2.0}
 BARS = fl.round_bar(7750.0, 0.01)
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
-)
+@every_input
 def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
     known = catalogue(mechanism, drive)
     design = {name: 1.0 for name, one in known.inputs.items() if one.default is None}

@@ -10,13 +10,13 @@ import pytest
 from flint import acb, arb
 from tests.support.neighbourhoods import DRAWN, ULP
 from tests.support.precision import in_every_mode
-from tests.support.registry import ENTRIES
+from tests.support.registry import ENTRIES, every_input
 from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.facts.formula import Formula
 from fastlink.facts.powers import any_beyond_range
-from fastlink.mechanisms import NAMES, catalogue, inputs_of
+from fastlink.mechanisms import catalogue
 from fastlink.plan.request import constants_of, selected_variants
 from fastlink.precision.errors import unit_of
 from fastlink.precision.independent import TOLERANCE, TURNING, IndependentValues, model_of
@@ -39,9 +39,7 @@ SILENT = {
 MEASURES = ("residual", "deviation", "_dot", "_ddot")
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
-)
+@every_input
 def test_every_quantity_has_an_independent_value_but_these(mechanism, drive):
     known = catalogue(mechanism, drive)
     names = IndependentValues(known, tuple(known.public)).names

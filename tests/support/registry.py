@@ -8,9 +8,10 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+import pytest
 
 from fastlink.facts.catalogue import Catalogue
-from fastlink.mechanisms import catalogue
+from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from tests.support import configurations, focal_configurations, hart_configurations
 
@@ -260,3 +261,7 @@ SLIDER_CRANK = (
 )
 
 ENTRIES = (*PLANAR_4R, *MINKOWSKI_4R, *FOCAL, *HART, *SLIDER_CRANK)
+#: A test of every mechanism by each of its inputs.
+every_input = pytest.mark.parametrize(
+    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
+)
