@@ -6,14 +6,13 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import selected_variants
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-BARS = fl.round_bar(7750.0, 0.01)
 
 
 def test_force_balance_leaves_no_shaking_force():

@@ -6,13 +6,13 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import all_loads, family
 from tests.support.refusals import refused
+from tests.support.sweeps import BARS
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.planar import SYSTEM
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-BARS = fl.round_bar(7750.0, 0.01)
 
 
 @pytest.mark.parametrize("loaded", [False, True], ids=["no loads", "all loads"])

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from tests.support.refusals import refused
 from tests.support.study_files import GOOD, written
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -31,7 +31,6 @@ from fastlink.facts.formula import Formula
 from fastlink.mechanisms import catalogue
 
 explain_module = sys.modules["fastlink.app.explain"]
-ROUND_BAR = fl.round_bar(density=7750.0, radius=0.01)
 LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 
 
@@ -135,7 +134,7 @@ def test_a_search_is_told_by_what_is_searched():
     """Steps and extremes of each quantity, samples of all, with what is told by both sides of the range."""
     names = ["omega4_max", "T41_extrema"]
     space = fl.grid(**LENGTHS, omega1=9.0, gravity_y=-9.81)  # gravity makes the sides unlike
-    found = explain_request(resolve("planar_4r", space, names, links=ROUND_BAR, branch=(1, 2)))
+    found = explain_request(resolve("planar_4r", space, names, links=BARS, branch=(1, 2)))
     loops = {(loop.per, loop.times): loop.work for kernel in found.kernels for loop in kernel.loops}
     for quantity in ("omega4", "T41"):
         step = loops["place", f"each step of the search of {quantity}"]
@@ -150,7 +149,7 @@ def test_a_search_is_told_by_what_is_searched():
     assert "not counted" not in asked(["omega4_max"], omega1=9.0).text(kernels=True)
     assert "kernel 1" not in str(found)  # the answer alone
     loaded = resolve(
-        "planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=ROUND_BAR, branch=(1, 2)
+        "planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=BARS, branch=(1, 2)
     )
     text = explain_request(loaded).text(kernels=True)
     assert "every extreme of T41; cells split at the zeros of omega4\n" in text

@@ -10,25 +10,25 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
+from tests.support.sweeps import BARS
 
 import fastlink as fl
 
-BAR = fl.round_bar(density=7750.0, radius=0.01)
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 #: Crank-rockers, open chains and change points.
 LENGTHS = np.random.default_rng(3).uniform(0.5, 1.5, (2, 150))
 LENGTHS[:, :3] = [[1.0, 0.6, 1.6], [0.4, 1.0, 1.0]]
 REQUESTS = {
-    "refined": (["omega4_max", "theta1_at_omega4_max", "shaking_force_max"], {"links": BAR}),
-    "sampled": (["omega4_max", "T41_rms", "status"], {"links": BAR, "extrema": "sampled", "theta1": 90}),
+    "refined": (["omega4_max", "theta1_at_omega4_max", "shaking_force_max"], {"links": BARS}),
+    "sampled": (["omega4_max", "T41_rms", "status"], {"links": BARS, "extrema": "sampled", "theta1": 90}),
     "both": (
         ["omega4_mean", "transmission_angle_min", "status"],
         {"theta1": [0.1, 0.2, 0.7], "extrema": "sampled"},
     ),
     "curve": (["omega4", "status"], {"theta1": 40}),
     "list": (["omega4_extrema", "omega4_extrema_count"], {}),
-    "dense": (["T41_max"], {"links": BAR, "solver": "dense", "extrema": "sampled", "theta1": 12}),
-    "load": (["T41_max"], {"links": BAR, "gravity_y": -9.81}),
+    "dense": (["T41_max"], {"links": BARS, "solver": "dense", "extrema": "sampled", "theta1": 12}),
+    "load": (["T41_max"], {"links": BARS, "gravity_y": -9.81}),
 }
 
 
@@ -101,7 +101,7 @@ def test_backends_have_the_same_bits(backend):
 
 def test_a_pickled_function_is_the_same():
     function = fl.function(
-        "planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, branch=(1, 2), **FIXED
+        "planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BARS, branch=(1, 2), **FIXED
     )
     again = pickle.loads(pickle.dumps(function))
     assert (again.inputs, again.quantities, again.shape) == (("a2", "a3"), ("shaking_force_max",), (2,))
@@ -232,7 +232,7 @@ def assert_jitted_has_the_bits(function):
     ("names", "options"),
     [
         (["omega4", "status"], {"theta1": 40}),
-        (["omega4_max", "shaking_force_max", "status"], {"links": BAR, "branch": (2, 1)}),
+        (["omega4_max", "shaking_force_max", "status"], {"links": BARS, "branch": (2, 1)}),
     ],
 )
 def test_a_jitted_function_has_the_bits_of_the_function(names, options):

@@ -5,14 +5,13 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import TURNING, sweep_4r
 
 import fastlink as fl
 from fastlink.errors import InputError
 from fastlink.facts.powers import limits
 from fastlink.mechanisms import NAMES, catalogue
 
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 MOST, LEAST = 2.0**80, 2.0**-80
 #: A column of each input whose first, third and last values are allowed, and the others beyond the range.
 COLUMNS = {
@@ -24,7 +23,7 @@ COLUMNS = {
 FAR = np.array([False, True, False, True, False])
 MASSES = {f"{name}{bar}": 0.1 for bar in (1, 2, 3) for name in "mI"}
 MASSES |= {f"G{bar}_{axis}": 0.1 for bar in (1, 2, 3) for axis in "uv"}
-GIVEN = DESIGN | MASSES | {"P_u": 0.1, "P_v": 0.2}
+GIVEN = TURNING | MASSES | {"P_u": 0.1, "P_v": 0.2}
 OUTPUTS = ["status", "F32_max", "omega4_max", "P_x_max", "omega4_extrema_count", "grashof_class"]
 
 
@@ -63,17 +62,17 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
 
 def test_designs_of_tables_axes_and_fixed_values_are_flagged(tmp_path):
     speeds = [1e-100, 1.0, 2.0]
-    swept = sweep_4r(fl.grid(**DESIGN | {"omega1": speeds}), ["omega4_max"])
+    swept = sweep_4r(fl.grid(**TURNING | {"omega1": speeds}), ["omega4_max"])
     assert "scaling_axis" not in swept.attrs
     assert_array_equal(np.isnan(swept.omega4_max).all("branch"), [True, False, False])
-    sampled = fl.sobol(a2=(1.0, 2.0**82), n=64, seed=1, **{k: v for k, v in DESIGN.items() if k != "a2"})
+    sampled = fl.sobol(a2=(1.0, 2.0**82), n=64, seed=1, **{k: v for k, v in TURNING.items() if k != "a2"})
     found = sweep_4r(sampled, ["omega4_max"])
     assert_array_equal(found.status == 6, found.a2 >= MOST)
     with pytest.raises(InputError, match=r"a1 is 1e-200 .*write a magnitude of 8.3e-25 to 1.2e\+24 m"):
         fl.function("planar_4r", ["a2"], ["omega4_max"], a1=1e-200, a3=0.8, a4=1.0, omega1=25.0)
     with pytest.raises(InputError, match=r"links: density is 1e\+100"):
-        sweep_4r(DESIGN, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01))
-    table = fl.table(DESIGN | {"a2": [1.2, 1e100, 1.3]})
+        sweep_4r(TURNING, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01))
+    table = fl.table(TURNING | {"a2": [1.2, 1e100, 1.3]})
     found = sweep_4r(table, ["omega4_max"], to=tmp_path / "map.h5", verify=3)
     assert found.attrs["verified_designs"] == 2
     assert found.omega4_max.attrs["verify_mismatches"] == 0

@@ -13,7 +13,7 @@ import pytest
 from tests.support.configurations import PLANAR
 from tests.support.refusals import assert_refusal, refused
 from tests.support.registry import ENTRIES
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, CRANK, sweep_4r
 from tests.support.toys import add, toy
 
 import fastlink as fl
@@ -43,7 +43,6 @@ class _ByValue:
 
 LENGTHS = {"a1": 0.4, "a2": [1.1, 1.2, 1.3], "a3": 0.8, "a4": 1.0, "omega1": [5.0, 25.0]}
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
-BAR = fl.round_bar(density=7750.0, radius=0.01)
 PICKLERS = pytest.mark.parametrize("pickler", [pickle, cloudpickle], ids=["pickle", "cloudpickle"])
 
 
@@ -79,7 +78,7 @@ def of_pickled_job(data):
     ("quantities", "options"),
     [
         (["omega4", "transmission_angle_max"], {}),
-        (["shaking_force_max"], {"links": BAR, "branch": 2, "solver": "dense"}),
+        (["shaking_force_max"], {"links": BARS, "branch": 2, "solver": "dense"}),
     ],
     ids=["values and extremes", "forces"],
 )
@@ -109,14 +108,14 @@ def test_every_plan_is_made_again_from_its_names(mechanism, input):
 
 @PICKLERS
 def test_designs_links_and_functions_travel(elsewhere, pickler):
-    function = fl.function("planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, **FIXED)
+    function = fl.function("planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BARS, **FIXED)
     spaces = [
         fl.grid(**LENGTHS),
         fl.sobol(8, seed=3, a1=(0.5, 1.5), a2=2.0),
         fl.latin_hypercube(8, seed=3, a1=(0.5, 1.5)),
         fl.table({"a1": [0.5, 0.7], "part": ["one", "two"]}),
     ]
-    data = pickler.dumps([function, BAR, *spaces])
+    data = pickler.dumps([function, BARS, *spaces])
 
     def look(data):
         import pickle
@@ -128,7 +127,7 @@ def test_designs_links_and_functions_travel(elsewhere, pickler):
         return repr(bar), function(np.array([1.2, 0.8])).tobytes(), values
 
     expected = [space.values(name).tobytes() for space in spaces for name in space.names]
-    assert elsewhere(look, data) == (repr(BAR), function(np.array([1.2, 0.8])).tobytes(), expected)
+    assert elsewhere(look, data) == (repr(BARS), function(np.array([1.2, 0.8])).tobytes(), expected)
 
 
 def test_public_names_and_jitted_functions_travel(elsewhere):
@@ -172,19 +171,18 @@ def test_a_quantity_that_is_declared_otherwise_there_is_refused(elsewhere):
 
 # == Plans are found once, whatever the values are, and anew when what is declared is another thing ==========
 
-LENGTHS_KEPT = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
 NAMES_KEPT = ["omega4_max", "theta2"]
 
 
-def plan_of(names=NAMES_KEPT, lengths=LENGTHS_KEPT, **options):
+def plan_of(names=NAMES_KEPT, lengths=CRANK, **options):
     return resolve("planar_4r", fl.grid(**lengths, omega1=25.0), names, **{"branch": (1, 2)} | options).plan
 
 
 @pytest.mark.parametrize(
     "other",
     [
-        {"lengths": LENGTHS_KEPT | {"a2": 1.3}},
-        {"lengths": LENGTHS_KEPT | {"a2": [1.1, 1.3]}},
+        {"lengths": CRANK | {"a2": 1.3}},
+        {"lengths": CRANK | {"a2": [1.1, 1.3]}},
         {"theta1": 90},
         {"names": tuple(NAMES_KEPT)},
         {"backend": "numba"},
@@ -206,10 +204,10 @@ def test_values_have_no_part_in_a_plan(other):
         {"extrema": "sampled"},
         {"branch": (2, 1)},
         {"branch": 1},
-        {"links": BAR},
+        {"links": BARS},
         {"solver": "dense"},
-        {"lengths": LENGTHS_KEPT | {"gravity_y": -9.81}},
-        {"input": "joint_angle_1", "lengths": LENGTHS_KEPT, "names": ["status"]},
+        {"lengths": CRANK | {"gravity_y": -9.81}},
+        {"input": "joint_angle_1", "lengths": CRANK, "names": ["status"]},
     ],
     ids=str,
 )
@@ -259,7 +257,7 @@ def test_a_changed_plan_has_a_text_of_its_own_and_threads_may_ask_at_once():
     assert other.key != kernel.key
 
     def ask(k):
-        lengths = LENGTHS_KEPT | {"a2": 1.2 + 0.001 * (k % 7)}
+        lengths = CRANK | {"a2": 1.2 + 0.001 * (k % 7)}
         maps = sweep_4r(fl.grid(**lengths, omega1=25.0), ["omega4_max"], threads=1)
         return k % 7, maps.omega4_max.values.tolist()
 
@@ -285,7 +283,7 @@ def test_one_design_is_labelled_like_one_of_many():
 
 
 def test_what_users_do_to_a_result_stays_there():
-    space = fl.grid(**LENGTHS_KEPT, omega1=25.0)
+    space = fl.grid(**CRANK, omega1=25.0)
     first = sweep_4r(space, ["omega4_max"])
     expected = sweep_4r(space, ["omega4_max"])
     first.omega4_max.values[:] = 0.0
@@ -303,7 +301,7 @@ def test_what_users_do_to_a_result_stays_there():
 
 @pytest.mark.parametrize("backend", ["llvm", "numba"])
 def test_a_map_says_what_compiled_it(backend, monkeypatch):
-    space = fl.grid(**LENGTHS_KEPT, omega1=25.0)
+    space = fl.grid(**CRANK, omega1=25.0)
     maps = sweep_4r(space, ["status"], backend=backend)
     assert maps.backend == backend
     assert ("numba " in maps.source) == (backend == "numba")
@@ -314,7 +312,7 @@ def test_a_map_says_what_compiled_it(backend, monkeypatch):
 
 def test_a_closure_is_found_anew_when_facts_change():
     planar = PLANAR
-    given = LENGTHS_KEPT | {"theta1": 0.3, "omega1": 25.0}
+    given = CRANK | {"theta1": 0.3, "omega1": 25.0}
     before = evaluate("planar_4r", ["omega4"], **given)
     fact = planar.facts["omega4"]
     planar.facts["omega4"] = replace(planar.facts["omega2"], name="omega4")

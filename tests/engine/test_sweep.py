@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import PLANAR
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.app.report import contents
@@ -19,7 +19,6 @@ from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-BARS = fl.round_bar(density=7750.0, radius=0.01)
 #: Quantities of the coupler point, which these designs do not have; test_curves.py asks for them.
 AT_P = ("P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature")
 # Some of these turn fully, some do not, some never assemble.

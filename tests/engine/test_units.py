@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import assert_refusal, refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, TURNING, sweep_4r, sweep_both
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -36,7 +36,6 @@ from fastlink.space.units import (
 
 CURVE = {"P_u": 0.5, "P_v": 0.1, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 REST = {"a2": 1.1, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-BARS = fl.round_bar(density=7750.0, radius=0.01)
 FORCES = ["shaking_force_max", "omega4_max"]
 
 
@@ -520,8 +519,7 @@ def test_lengths_that_look_like_millimetres_get_a_remark():
 
 # == Angles in degrees, by names that end in _deg, at every door; and remarks on angles that look like degrees
 
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-FIXED = {name: value for name, value in DESIGN.items() if name != "a4"}
+FIXED = {name: value for name, value in TURNING.items() if name != "a4"}
 WEIGHT = {"counterweight1_mass": 1.0, "counterweight1_radius": 0.1}
 ANGLES = [0.0, 40.0, 80.0, 180.0]
 
@@ -548,7 +546,7 @@ def test_degrees_of_inputs_are_rounded_once():
     # Of a grid; that all doors take units by name alike is tested with lengths.
     name = "counterweight1_direction"
     got, expected = (
-        fl.sweep("planar_4r", fl.grid(**DESIGN, **WEIGHT, **given), ["shaking_force_max"], links=BARS)
+        fl.sweep("planar_4r", fl.grid(**TURNING, **WEIGHT, **given), ["shaking_force_max"], links=BARS)
         for given in ({f"{name}_deg": ANGLES}, {name: [exact(value) for value in ANGLES]})
     )
     xr.testing.assert_equal(got, expected)
@@ -557,8 +555,8 @@ def test_degrees_of_inputs_are_rounded_once():
 
 def test_input_positions_in_degrees():
     names = ["theta4", "omega4"]
-    got = sweep_4r(fl.grid(**DESIGN), names, theta1_deg=ANGLES)
-    expected = sweep_4r(fl.grid(**DESIGN), names, theta1=[exact(value) for value in ANGLES])
+    got = sweep_4r(fl.grid(**TURNING), names, theta1_deg=ANGLES)
+    expected = sweep_4r(fl.grid(**TURNING), names, theta1=[exact(value) for value in ANGLES])
     xr.testing.assert_equal(got, expected)
     assert got.theta1.attrs["units"] == "rad"
     assert got.theta1.attrs["comment"] == "given in degrees"
@@ -570,15 +568,15 @@ def test_input_positions_in_degrees():
 
 def test_labelled_and_unlabelled_configurations_in_degrees():
     for theta in (40.0, [[40.0], [80]], xr.DataArray([40, 80], dims="k", coords={"k": [1, 2]})):
-        got = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=theta)["omega4"]
-        expected = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=radians_of(theta))
+        got = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1_deg=theta)["omega4"]
+        expected = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1=radians_of(theta))
         assert_array_equal(got, expected["omega4"])
         assert type(got) is type(expected["omega4"])
-    degrees = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=labelled(60.0, "degree"))["omega4"]
-    by_name = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=60.0)["omega4"]
-    both = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=labelled(60.0, "degree"))["omega4"]
+    degrees = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1=labelled(60.0, "degree"))["omega4"]
+    by_name = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1_deg=60.0)["omega4"]
+    both = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1_deg=labelled(60.0, "degree"))["omega4"]
     assert float(degrees) == by_name == float(both)
-    swept = fl.sweep("planar_4r", DESIGN, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
+    swept = fl.sweep("planar_4r", TURNING, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
     assert swept.omega4.item() == by_name
 
 
@@ -596,8 +594,8 @@ def test_positions_in_another_unit_are_refused(name):
     remedy = "convert it to degrees" if name.endswith("_deg") else "convert it to rad"
     unit = "turn" if name.endswith("_deg") else "mm"
     for call in (
-        lambda: sweep_4r(DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}),
-        lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, unit)}),
+        lambda: sweep_4r(TURNING, ["omega4"], **{name: labelled([0.1, 0.2], unit)}),
+        lambda: fl.evaluate("planar_4r", ["omega4"], **TURNING, **{name: labelled(0.1, unit)}),
         lambda: fl.function("planar_4r", ["a4"], ["omega4"], **FIXED, **{name: labelled([0.1], unit)}),
     ):
         with refused(name, remedy):
@@ -606,10 +604,10 @@ def test_positions_in_another_unit_are_refused(name):
 
 def test_functions_and_studies_in_degrees(tmp_path):
     function = fl.function("planar_4r", ["a4"], ["omega4"], theta1_deg=ANGLES, **FIXED)
-    expected = fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1_deg=ANGLES, branch=1)
+    expected = fl.sweep("planar_4r", fl.grid(**TURNING), ["omega4"], theta1_deg=ANGLES, branch=1)
     assert_array_equal(function([1.0])[0], expected.omega4)
     path = tmp_path / "study.toml"
-    design = "\n".join(f"{name} = {value}" for name, value in DESIGN.items())
+    design = "\n".join(f"{name} = {value}" for name, value in TURNING.items())
     for axis in (f"{{values = {ANGLES}}}", "{linspace = [0.0, 180.0, 4]}"):
         path.write_text(
             f'mechanism = "planar_4r"\nquantities = ["omega4"]\n[design]\n{design}\n'
@@ -636,7 +634,7 @@ SWEEPS = {
 @pytest.mark.parametrize(("options", "key", "remedy"), SWEEPS.values(), ids=SWEEPS)
 def test_what_is_no_array_of_degrees(options, key, remedy):
     with refused(key, remedy):
-        sweep_4r(fl.grid(**DESIGN), ["omega4"], **options)
+        sweep_4r(fl.grid(**TURNING), ["omega4"], **options)
 
 
 def test_only_angles_have_degrees():
@@ -644,16 +642,16 @@ def test_only_angles_have_degrees():
     with refused("F_y_deg", "write F_y"):
         sweep_both("hart", fl.grid(**hart), ["phi"], input="F_y", F_y_deg=[0.1, 0.2])
     with refused("a2_deg", "write a2"):
-        sweep_4r({**DESIGN, "a2_deg": 1.0}, ["omega4"], theta1=8)
-    both = {"counterweight1_direction_deg": 40.0, "counterweight1_direction": 0.5, **WEIGHT, **DESIGN}
+        sweep_4r({**TURNING, "a2_deg": 1.0}, ["omega4"], theta1=8)
+    both = {"counterweight1_direction_deg": 40.0, "counterweight1_direction": 0.5, **WEIGHT, **TURNING}
     with refused("counterweight1_direction_deg", "write one of them"):
         sweep_4r(fl.grid(**both), ["omega4"], theta1=8)
     with refused("theta1_deg", "write one of them"):
-        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, theta1_deg=40.0, **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, theta1_deg=40.0, **TURNING)
     with refused("a2_deg", "write a2"):
-        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, a2_deg=40.0, **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, a2_deg=40.0, **TURNING)
     with refused("theta1_deg", "write"):
-        fl.evaluate("planar_4r", ["omega4"], theta1_deg="forty", **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1_deg="forty", **TURNING)
     with refused("a2_deg", "write a2"):
         fl.function("planar_4r", ["a2_deg"], ["theta4"], a1=0.4, a3=0.8, a4=1.0)
 
@@ -667,13 +665,13 @@ def test_what_can_hardly_be_radians_gets_a_remark(values):
     assert looks_like_degrees(values)
     if np.ndim(values):
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            sweep_4r(fl.grid(**DESIGN), ["omega4"], theta1=values)
+            sweep_4r(fl.grid(**TURNING), ["omega4"], theta1=values)
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            sweep_4r(fl.grid(**DESIGN), ["omega4"], angles=values)
+            sweep_4r(fl.grid(**TURNING), ["omega4"], angles=values)
     with pytest.warns(fl.InputWarning, match="theta1_deg"):
-        fl.evaluate("planar_4r", ["omega4"], theta1=values, **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1=values, **TURNING)
     with pytest.warns(fl.InputWarning, match="counterweight1_direction_deg"):
-        sweep_4r(fl.grid(counterweight1_direction=values, **WEIGHT, **DESIGN), ["omega4_max"])
+        sweep_4r(fl.grid(counterweight1_direction=values, **WEIGHT, **TURNING), ["omega4_max"])
 
 
 @pytest.mark.parametrize("values", IN_RADIANS)

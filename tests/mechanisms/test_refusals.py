@@ -6,16 +6,14 @@ import sys
 import pytest
 from tests.support.refusals import refused
 from tests.support.registry import every_input
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, TURNING, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
-CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 FOCAL = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0}
 HART = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
 DRIVEN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "joint_omega_2": 2.0}
-BARS = fl.round_bar(7750.0, 0.01)
 
 
 @every_input
@@ -68,16 +66,16 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
         ("focal", FOCAL | {"s": 1.0}, "s", {}, "quantity 's'", "leave it out"),
         (
             "planar_4r",
-            CRANK | {"counterweight1_radius": 0.1},
+            TURNING | {"counterweight1_radius": 0.1},
             "F41",
             {"links": BARS},
             "counterweight1_mass",
             "",
         ),
         # extremes of what has none
-        ("planar_4r", CRANK, "omega4_max", {"extrema": "foo"}, "extrema: 'foo'", "refined"),
-        ("planar_4r", CRANK, "omega4_max", {"extrema": "refined", "theta1": [0.1]}, "extrema", "sampled"),
-        ("planar_4r", CRANK, "status_extrema", {}, "'status_extrema'", ""),
+        ("planar_4r", TURNING, "omega4_max", {"extrema": "foo"}, "extrema: 'foo'", "refined"),
+        ("planar_4r", TURNING, "omega4_max", {"extrema": "refined", "theta1": [0.1]}, "extrema", "sampled"),
+        ("planar_4r", TURNING, "status_extrema", {}, "'status_extrema'", ""),
     ],
 )
 def test_what_a_mechanism_has_not_is_told(mechanism, design, name, options, key, remedy):

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import cKDTree
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
@@ -37,7 +37,6 @@ DESIGNS = {
     "slider_crank": {"r": 0.1, "l": 0.3, "e": 0.02, "theta": 0.9},
 }
 DRIVEN = [(name, other) for name in NAMES for other in inputs_of(name)[1:]]
-LINKS = fl.round_bar(7750.0, 0.01)
 DISTANCES = {
     "euclidean": np.hypot,
     "minkowskian": lambda x, y: np.sqrt(np.abs(x - y)) * np.sqrt(np.abs(x + y)),
@@ -165,7 +164,7 @@ def test_the_title_says_what_this_design_is(mechanism, title):
 
 
 def test_what_all_shows_is_in_the_legend():
-    figure = fl.draw("planar_4r", CURVED, theta1=1.0, omega1=10.0, links=LINKS, show="all")
+    figure = fl.draw("planar_4r", CURVED, theta1=1.0, omega1=10.0, links=BARS, show="all")
     for word in ("circles", "comb", "mass centres", "path of", "forces", "torques"):
         assert legend(figure, word)
     assert {"$G_{1}$", "$G_{2}$", "$G_{3}$"} <= {text.get_text() for text in figure.axes[0].texts}
@@ -178,7 +177,7 @@ def test_what_all_shows_is_in_the_legend():
 
 def test_arrows_and_films_are_of_the_first_mode_that_is_there(tmp_path):
     given = CURVED | {"omega1": 10.0, "theta1": 1.0}
-    assert {branch for *_, branch in bars(fl.draw("planar_4r", given, links=LINKS, show="forces"))} == {"1"}
+    assert {branch for *_, branch in bars(fl.draw("planar_4r", given, links=BARS, show="forces"))} == {"1"}
     figure = fl.draw("planar_4r", FOUR_BAR, animate=tmp_path / "a.gif", frames=2)
     assert {branch for *_, branch in bars(figure)} == {"1"}
     # a quarter of a frame beyond half a turn, as the last picture says
@@ -285,10 +284,10 @@ def legend(figure, word):
 
 def test_forces_are_arrows_and_torques_curved_ones_in_their_directions():
     given = CURVED | {"omega1": 20.0, "theta1": 1.0}
-    figure = fl.draw("planar_4r", given, links=LINKS, branch=1, show="forces")
+    figure = fl.draw("planar_4r", given, links=BARS, branch=1, show="forces")
     vectors = np.array([np.subtract(one.xy, one.xyann) for one in arrows(figure)])
     names = [f"{name}_{xy}" for name in ("F41", "F21", "F32", "F43") for xy in "xy"]
-    forces = fl.evaluate("planar_4r", names, **given, links=LINKS, branch=1)
+    forces = fl.evaluate("planar_4r", names, **given, links=BARS, branch=1)
     expected = np.reshape(list(forces.values()), (4, 2))
     greatest = legend(figure, "forces").split()[-2]
     assert float(greatest) == float(f"{np.hypot(*expected.T).max():.3g}")
@@ -297,8 +296,8 @@ def test_forces_are_arrows_and_torques_curved_ones_in_their_directions():
     assert_allclose(ratio, ratio[0], rtol=1e-12)  # 2^-53 of a coordinate of 1 in an arrow of a thousandth
     assert_allclose(np.arctan2(*vectors.T), np.arctan2(*expected.T), rtol=1e-12)
     given = {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5, "theta": 0.9}
-    figure = fl.draw("slider_crank", given, links=LINKS, show="torques", branch=[1, 2])
-    torques = fl.evaluate("slider_crank", ["T41"], **given, links=LINKS, branch=[1, 2])["T41"]
+    figure = fl.draw("slider_crank", given, links=BARS, show="torques", branch=[1, 2])
+    torques = fl.evaluate("slider_crank", ["T41"], **given, links=BARS, branch=[1, 2])["T41"]
     arcs = [line.get_xydata() for line in figure.axes[0].lines if line.get_zorder() == 6.5]
     turns = [np.unwrap(np.arctan2(*arc.T[::-1])) for arc in arcs]
     assert [np.sign(turn[-1] - turn[0]) for turn in turns] == np.sign(torques).tolist()

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import PLANAR, masses_and_points, numbers
 from tests.support.precision import in_every_mode, plain, wrong
 from tests.support.registry import ENTRIES
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, CRANK, sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -24,8 +24,6 @@ from fastlink.precision.stationary import Stationary, side_of, turning_cells
 # What tests/mechanisms/test_precision.py allows of every quantity.
 ROUNDINGS = 4
 LENGTHS = {"a1": (0.2, 1.8), "a2": (0.3, 2.0), "a3": (0.3, 2.0), "a4": (0.3, 2.0)}
-CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-BARS = fl.round_bar(density=7750.0, radius=0.01)
 
 
 def errors(maps):

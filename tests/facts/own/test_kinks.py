@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_equal
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, sweep_4r, sweep_both
 from tests.support.toys import declare_all
 
 import fastlink as fl
@@ -35,7 +35,6 @@ def nested(lesser, F32_x, F32_y):
     return max(lesser, size / 2) - min(size, lesser)
 
 
-BARS = fl.round_bar(density=7750.0, radius=0.01)
 NAMES = [f"{name}_{how}" for name in ("lesser", "apart", "nested") for how in ("min", "max")]
 #: The forces on the crank almost vanish close to where they are equal: both kinks and two extremes in one cell.
 #: At the second both turn sharply near theta1 = 0.03, where their difference has three extremes within 0.015 rad.

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tests.facts.own.declared import LENGTHS, LINKS, mine
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import TURNING, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.app.study import load_extension
@@ -244,7 +244,6 @@ mine = fl.extend("planar_4r")
 def long(theta4, a1, a2):
     x = theta4
 """
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 FACTORS = [round(random.Random(k).uniform(0.5, 1.5), 3) for k in range(1000)]
 TEXTS = {
     "sum": " + ".join(f"{k} * x" for k in FACTORS),
@@ -282,10 +281,10 @@ def declared(tmp_path):
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
     mine, function = declared(f"    return {TEXTS[kind]}")
-    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **TURNING)
     assert found["long"] == function(found["theta4"], 0.4, 1.2)
     catalogue = mine.catalogue()
-    assert script_of(catalogue, ["long"], list(DESIGN), ())[1] == ("long",)
+    assert script_of(catalogue, ["long"], list(TURNING), ())[1] == ("long",)
     assert catalogue.resolve("long_error").depends_on
     if kind not in (
         "conditions",
@@ -300,7 +299,7 @@ def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
 def test_a_long_chain_is_taken_by_every_reader(declared, kind):
     text = TEXTS[kind] if kind == "conditions" else " + ".join(f"{k} * x" for k in FACTORS[:100])
     mine, function = declared(f"    return {text} + a2 / a1 * x")
-    space = fl.grid(**DESIGN | {"a1": [0.3, 0.4]})
+    space = fl.grid(**TURNING | {"a1": [0.3, 0.4]})
     smooth = ["d_long_d_a2", "long_max_error"] if kind == "sum" else []
     maps = fl.sweep(
         mine, space, ["theta4", "long", "long_error", "long_max", *smooth], branch=1, theta1=7, verify=1
@@ -318,7 +317,7 @@ def test_a_long_chain_is_taken_by_every_reader(declared, kind):
 def test_ten_thousand_terms(declared):
     lines = [f"    y = {'y + ' if k else ''}{TEXTS['sum']}" for k in range(10)]
     mine, function = declared("\n".join([*lines, "    return y"]))
-    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **TURNING)
     assert math.isclose(found["long"], function(found["theta4"], 0.4, 1.2), rel_tol=1e-11)
 
 
