@@ -410,11 +410,7 @@ SOBOL = "sobol = {n = 4, a1 = [1, 2]}\n"
         ("", "design", "write a table [design] with a number or an axis for each"),
         ("[design]\n", "design", "write a number or an axis for each input"),
         ("[[design]]\na1 = 1\n", "design", "write a table of keys, such as [design]"),
-        (
-            "[design]\nsobol = {n = 4, a1 = [1, 2]}\na2 = {values = [1]}\n",
-            "design",
-            "write one of them, beside",
-        ),
+        (f"[design]\n{SOBOL}a2 = {{values = [1]}}\n", "design", "write one of them, beside"),
         (
             f"[design]\n{SOBOL}latin_hypercube = {{n = 4, a1 = [1, 2]}}\n",
             "design",

@@ -13,6 +13,7 @@ from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
 FOCAL = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0}
 HART = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
+BY_2 = {"input": "joint_angle_2"}
 DRIVEN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "joint_omega_2": 2.0}
 
 
@@ -47,15 +48,8 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
         ("hart", HART, "dF_y_dphi", {"input": "F_y"}, "'dF_y_dphi'", "'dphi_dF_y'"),
         ("hart", HART, "psi", {"input": "F_x"}, "input", "did you mean 'F_y'?"),
         ("hart", HART, "psi", {"input": "F_y", "angles": 12}, "angles", "numpy.linspace"),
-        (
-            "planar_4r",
-            DRIVEN,
-            "theta2",
-            {"input": "joint_angle_2"},
-            "'theta2'",
-            "with input='joint_angle_2' ask",
-        ),
-        ("planar_4r", DRIVEN, "joint_omega_2", {"input": "joint_angle_2"}, "'joint_omega_2'", "leave it out"),
+        ("planar_4r", DRIVEN, "theta2", BY_2, "'theta2'", "with input='joint_angle_2' ask"),
+        ("planar_4r", DRIVEN, "joint_omega_2", BY_2, "'joint_omega_2'", "leave it out"),
         ("planar_4r", DRIVEN, "v1", {"input": "theta1"}, "design: joint_omega_2", ""),
         ("planar_4r", DRIVEN, "v1", {"input": "joint_angle_2", "links": BARS}, "links", ""),
         # ratios of which one is given, loads that are whole
