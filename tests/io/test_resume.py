@@ -358,14 +358,14 @@ def test_more_verified_designs_and_the_last_value_of_a_long_attribute_make_anoth
 def test_a_table_or_map_that_changed_since_is_another_request_and_so_is_another_version(
     tmp_path, path, monkeypatch
 ):
-    path, table = tmp_path / "maps.h5", tmp_path / "designs.csv"
+    of_table, table = tmp_path / "of_table.h5", tmp_path / "designs.csv"
     table.write_text("a1,a2\n0.4,1.1\n0.5,1.2\n")
     constants = {"a3": 0.8, "a4": 1.0, "omega1": 2.0}
-    swept(path, space=fl.table(table).with_constants(constants)).close()
-    swept(path, space=fl.table(table).with_constants(constants)).close()
+    swept(of_table, space=fl.table(table).with_constants(constants)).close()
+    swept(of_table, space=fl.table(table).with_constants(constants)).close()
     table.write_text("a1,a2\n0.4,1.1\n0.5,1.3\n")
     with refused("other a2"):
-        swept(path, space=fl.table(table).with_constants(constants))
+        swept(of_table, space=fl.table(table).with_constants(constants))
     time.sleep(0.02)  # two ticks of a kernel's clock of 100 Hz
     with h5py.File(path, "r+") as file:
         file["omega4"][0, 0, 0] = 7.0

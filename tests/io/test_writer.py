@@ -69,6 +69,13 @@ def test_the_layout_is_contiguous_aligned_and_without_slack(tmp_path):
 
 
 def test_the_name_exists_only_when_the_file_is_finished(tmp_path):
+    with Sample().writer(tmp_path / "m.h5") as writer:
+        pass
+    assert left_in(tmp_path) == []
+    with pytest.raises(ValueError, match="the file is closed"):
+        writer.write("status", 0, np.zeros(1, "i1"))
+    with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
+        writer.finish({})
     sample = Sample()
     with sample.writer(tmp_path / "m.h5") as writer:
         sample.fill(writer)
@@ -79,13 +86,6 @@ def test_the_name_exists_only_when_the_file_is_finished(tmp_path):
             open_map(tmp_path / "m.h5")
         writer.finish({})
         assert left_in(tmp_path) == ["m.h5"]
-    with Sample().writer(tmp_path / "m.h5") as writer:
-        pass
-    assert left_in(tmp_path) == []
-    with pytest.raises(ValueError, match="the file is closed"):
-        writer.write("status", 0, np.zeros(1, "i1"))
-    with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
-        writer.finish({})
 
 
 @pytest.mark.parametrize("moment", ["before", "between"])
@@ -109,8 +109,7 @@ def test_an_existing_file_is_kept_unless_overwritten_for_whom_has_it_open_even_t
     assert str(caught.value) == f"to: {path}: the file exists; choose another name, or write overwrite=True"
     assert digest(path) == before
     assert left_in(tmp_path) == ["m.h5"]
-    old, new = Sample(seed=0), Sample(seed=1)
-    path = old.save(tmp_path / "m.h5")
+    old, new = Sample(), Sample(seed=1)
     with open_map(path) as reader:
         new.save(path, overwrite=True)
         xr.testing.assert_identical(reader, old.expected())
