@@ -80,6 +80,11 @@ def refused(*arguments):
 
 
 def test_run_writes_the_map_and_ends_with_the_summary_unless_quiet(folder):
+    done = called("run", "study.toml", "--to", "other.h5", "--threads", "1", "--quiet")
+    assert (done.exit_code, done.output) == (0, "")
+    with fl.open("other.h5") as maps:
+        assert maps.attrs["threads"] == 1
+    assert not Path("study.h5").exists()
     done = called("run", "study.toml")
     assert (done.exit_code, done.stderr) == (0, "")
     with fl.open("study.h5") as maps:
@@ -93,11 +98,6 @@ def test_run_writes_the_map_and_ends_with_the_summary_unless_quiet(folder):
     assert rows[-3].endswith("designs/s")
     assert rows[-2].endswith("roundings, of 20")
     assert rows[-1].split()[1] == str(folder / "study.h5")
-    done = called("run", "study.toml", "--to", "other.h5", "--threads", "1", "--quiet")
-    assert (done.exit_code, done.output) == (0, "")
-    with fl.open("other.h5") as maps:
-        assert maps.attrs["threads"] == 1
-    assert not Path("study.h5").exists()
 
 
 def test_an_unchanged_study_is_up_to_date(folder):
@@ -304,7 +304,7 @@ def test_best_lists_designs_in_degrees_where_asked(mapped, folder):
     Path("study.toml").write_text(
         Path("study.toml").read_text().replace('"omega4_max"', '"omega4_max", "swing"')
     )
-    called("run", "study.toml", "--quiet")
+    called("run", "study.toml", "--overwrite", "--quiet")
     done = called("best", "study.h5", "--minimise", "omega4_max", "--where", "swing_deg=1:")
     assert "degree" in done.stdout.splitlines()[2]
 
