@@ -399,17 +399,18 @@ def test_what_is_no_part_is_refused(tmp_path, grid_parts):
 
 def test_damaged_parts_labels_and_marks_are_refused_and_a_new_run_joined(tmp_path, monkeypatch, grid_parts):
     monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
-    of = (*LARGE, {"theta1": 72})
-    paths = parts_of(of, tmp_path)
+    folder, of = tmp_path / "large", (*LARGE, {"theta1": 72})
+    folder.mkdir()
+    paths = parts_of(of, folder)
     with h5py.File(paths[2], "r") as file:
         place = Stored.of(file).values["theta4"]
     flip(paths[2], place.offset + place.nbytes - 3)
     with refused("maps.part-3-of-3.h5", "run that part again"):
-        joined_to(tmp_path, paths, copy=True)
-    assert not (tmp_path / "maps.h5").exists()
+        joined_to(folder, paths, copy=True)
+    assert not (folder / "maps.h5").exists()
     sweep(of, part=(3, 3), to=paths[2], overwrite=True).close()
-    with joined_to(tmp_path, paths, copy=True) as joined:
-        assert_same(joined, sweep(of, to=tmp_path / "whole.h5"))
+    with joined_to(folder, paths, copy=True) as joined:
+        assert_same(joined, sweep(of, to=folder / "whole.h5"))
     content = grid_parts[1].read_bytes()
     for text in (b"part_number", b"Euclidean", b"whole_fingerprint"):
         flip(grid_parts[1], content.index(text) + 2)
