@@ -1,13 +1,9 @@
 """What the tests share: a kernel cache of their own, random designs, the 50-digit reference."""
 
-from __future__ import annotations
-
 import gc
 import os
 import shutil
 import tempfile
-from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
@@ -24,7 +20,7 @@ OBJECTS = 100_000
 
 
 @pytest.hookimpl(tryfirst=True)
-def pytest_runtestloop() -> None:
+def pytest_runtestloop():
     """Look for garbage from here on, but seldom, and not through all that was collected."""
     gc.collect()
     gc.freeze()
@@ -32,15 +28,15 @@ def pytest_runtestloop() -> None:
     gc.enable()
 
 
-def pytest_unconfigure() -> None:
+def pytest_unconfigure():
     if MADE_HERE:
         shutil.rmtree(os.environ["FASTLINK_CACHE_DIR"], ignore_errors=True)
 
 
 @pytest.hookimpl(tryfirst=True)  # before pytest leaves out what has the mark `stress`
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+def pytest_collection_modifyitems(items):
     """Run some cases of a test with the mark `sample` by default, at even distances, the others by `stress`."""
-    cases: dict[str, list[pytest.Item]] = {}
+    cases = {}
     for item in items:
         if item.get_closest_marker("sample"):
             cases.setdefault(item.nodeid.partition("[")[0], []).append(item)
@@ -53,19 +49,19 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def folder(tmp_path, monkeypatch):
     """Return an empty folder that is the current one."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
 
 @pytest.fixture
-def tell(request: pytest.FixtureRequest) -> Callable[[str], None]:
+def tell(request):
     """Return a function that shows a table at the end of the session, in whatever process the test runs."""
     return lambda text: request.node.user_properties.append(("table", text))
 
 
-def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+def pytest_terminal_summary(terminalreporter):
     reports = [report for found in terminalreporter.stats.values() for report in found]
     for report in reports:
         if getattr(report, "when", None) == "call":

@@ -24,18 +24,8 @@ from fastlink.mechanisms import NAMES
 from tests.support.refusals import assert_refusal
 from tests.support.sweeps import sweep_4r
 
-HEAVY = [
-    "numba",
-    "xarray",
-    "h5py",
-    "h5netcdf",
-    "scipy",
-    "numpy",
-    "pydantic",
-    "matplotlib",
-    "pandas",
-    "mpmath",
-]
+HEAVY = ["numba", "xarray", "h5py", "h5netcdf", "scipy"]
+HEAVY += ["numpy", "pydantic", "matplotlib", "pandas", "mpmath"]
 MAIN = [sys.executable, "-c", "from fastlink.app.cli import main; main()"]
 STUDY = """
 mechanism = "planar_4r"
@@ -89,10 +79,12 @@ def refused(*arguments):
     return [line.removeprefix("fastlink: ") for line in lines]
 
 
-# -- run -------------------------------------------------------------------------------------------
-
-
-def test_run_writes_the_map_and_ends_with_the_summary(folder):
+def test_run_writes_the_map_and_ends_with_the_summary_unless_quiet(folder):
+    done = called("run", "study.toml", "--to", "other.h5", "--threads", "1", "--quiet")
+    assert (done.exit_code, done.output) == (0, "")
+    with fl.open("other.h5") as maps:
+        assert maps.attrs["threads"] == 1
+    assert not Path("study.h5").exists()
     done = called("run", "study.toml")
     assert (done.exit_code, done.stderr) == (0, "")
     with fl.open("study.h5") as maps:
@@ -106,14 +98,6 @@ def test_run_writes_the_map_and_ends_with_the_summary(folder):
     assert rows[-3].endswith("designs/s")
     assert rows[-2].endswith("roundings, of 20")
     assert rows[-1].split()[1] == str(folder / "study.h5")
-
-
-def test_run_to_another_file_quietly(folder):
-    done = called("run", "study.toml", "--to", "other.h5", "--threads", "1", "--quiet")
-    assert (done.exit_code, done.output) == (0, "")
-    with fl.open("other.h5") as maps:
-        assert maps.attrs["threads"] == 1
-    assert not Path("study.h5").exists()
 
 
 def test_an_unchanged_study_is_up_to_date(folder):
@@ -145,18 +129,18 @@ def test_run_replaces_a_file_only_with_overwrite(folder):
     assert called("run", "study.toml", "--overwrite").exit_code == 0
 
 
-def test_an_option_that_is_one_of_the_study_is_told_so(folder):
-    done = called("run", "study.toml", "--branch", 2)
-    assert done.exit_code == 2
-    assert "write branch in the study, under [cycle]" in " ".join(done.stderr.split())
-
-
-def test_several_problems_are_a_line_each(folder):
+def test_problems_of_a_study_are_a_line_each_with_what_to_write(folder):
     Path("study.toml").write_text(STUDY.replace("\na1", "\na9").replace("omega4_max", "omega9_max"))
     assert [line.split(": ")[1].split(" ")[0] for line in refused("run", "study.toml")] == [
         "quantities[0]",
         "design.a9",
     ]
+    done = called("run", "study.toml", "--branch", 2)
+    assert done.exit_code == 2
+    assert "write branch in the study, under [cycle]" in " ".join(done.stderr.split())
+    (line,) = refused("run", "no.toml")
+    assert line.startswith("no.toml: cannot be read (No such file or directory); give the path of a study")
+    assert line.endswith("`fastlink new planar_4r > study.toml` writes one")
 
 
 def test_a_remark_is_one_line(folder):
@@ -172,21 +156,6 @@ def test_a_remark_is_one_line(folder):
     assert all(line.startswith("fastlink: ") for line in lines)
     assert "ignored: omega4_max;" in lines[0]
     assert lines[1].endswith("write theta1_deg")
-
-
-def test_a_study_that_is_not_there(folder):
-    (line,) = refused("run", "no.toml")
-    assert line.startswith("no.toml: cannot be read (No such file or directory); give the path of a study")
-    assert line.endswith("`fastlink new planar_4r > study.toml` writes one")
-
-
-def test_an_interrupt_is_one_line(folder, monkeypatch):
-    def interrupted(*args, **options):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(study, "sweep", interrupted)
-    done = called("run", "study.toml")
-    assert (done.exit_code, done.stdout, done.stderr) == (130, "", "fastlink: interrupted\n")
 
 
 @pytest.mark.sample(1)
@@ -247,10 +216,7 @@ def test_the_words_of_others_are_for_commands_that_are_there():
     assert not names & {word for words in OTHER_NAMES.values() for word in words}
 
 
-# -- the other commands ----------------------------------------------------------------------------
-
-
-def test_quantities_prints_the_table():
+def test_quantities_prints_the_table_and_unknown_mechanisms_are_refused():
     done = called("quantities", "planar_4r")
     assert done.exit_code == 0
     assert done.stdout == f"{fl.quantities('planar_4r')}\n"
@@ -259,6 +225,8 @@ def test_quantities_prints_the_table():
     assert refused("quantities", "planar4r") == [
         "MECHANISM|STUDY.toml: 'planar4r' is unknown; did you mean 'planar_4r'?"
     ]
+    assert refused("new", "planar4r") == ["MECHANISM: 'planar4r' is unknown; did you mean 'planar_4r'?"]
+    assert called("--version").stdout == f"fastlink {version('fastlink-linkages')}\n"
 
 
 def test_info_prints_what_a_map_holds(mapped):
@@ -275,15 +243,12 @@ def test_info_prints_what_a_map_holds(mapped):
         assert line in done.stdout.splitlines()
 
 
-def test_info_of_a_sample_prints_the_ranges(folder):
+def test_info_prints_the_ranges_of_a_sample_and_refuses_something_else(folder):
     space = fl.sobol(16, seed=1, a1=(0.2, 0.4), a2=1.2, a3=0.8, a4=1.0)
     sweep_4r(space, ["status"], to="sample.h5").close()
     lines = called("info", "sample.h5").stdout.splitlines()
     (line,) = [line for line in lines if line.startswith("  a1")]
     assert re.fullmatch(r"  a1  0\.2\d* to 0\.3\d* m  length of the input crank OA", line)
-
-
-def test_info_of_something_else(folder):
     assert refused("info", "no.h5") == ["no.h5: there is no such file; give the path of a written map"]
     remedy = "`fastlink run study.toml` makes its map"
     assert refused("info", "study.toml") == [f"study.toml: is a study, not a map; {remedy}"]
@@ -305,20 +270,24 @@ def test_a_new_study_runs_as_it_is(folder, mechanism):
         assert maps.attrs["study"] == done.stdout
 
 
-def test_a_new_study_of_an_unknown_mechanism():
-    assert refused("new", "planar4r") == ["MECHANISM: 'planar4r' is unknown; did you mean 'planar_4r'?"]
-
-
-def test_plot_writes_a_picture(mapped):
+def test_plots_of_maps_rows_and_fronts_are_written(mapped):
     done = called("plot", "study.h5", "omega4_max", "--branch", 2)
     assert (done.exit_code, done.stdout) == (0, "omega4_max.png\n")
     assert Path("omega4_max.png").read_bytes().startswith(b"\x89PNG")
     line = ("--at", "a3=0.7", "--degrees", "--to", "line.svg")
     assert called("plot", "study.h5", "omega4_max", *line).exit_code == 0
     assert Path("line.svg").read_text().startswith("<?xml")
+    for arguments, picture in (
+        (["omega4_max", "a3", "--branch", "1"], "omega4_max-a3.png"),
+        (["omega4_max", "--kind", "cumulative", "--to", "c.pdf"], "c.pdf"),
+        (["--minimise", "omega4_max", "--maximise", "a3"], "front.png"),
+        (["omega4_max", "--lines", "a3", "--to", "l.png"], "l.png"),
+    ):
+        assert called("plot", "study.h5", *arguments).stdout == f"{picture}\n"
+        assert (mapped / picture).exists()
 
 
-def test_best_lists_designs(mapped):
+def test_best_lists_designs_in_degrees_where_asked(mapped, folder):
     done = called(
         "best", "study.h5", "--minimise", "omega4_max", "--where", "a3=0.7:", "--top", 2, "--degrees"
     )
@@ -332,18 +301,22 @@ def test_best_lists_designs(mapped):
     shown = [[float(cell) for cell in row.split()] for row in rows]
     assert shown == [[float(f"{expected[n][k]:g}") for n in names.split()] for k in range(2)]
     assert "a1 = 0.4 m" in same
-
-
-def test_best_shows_degrees_where_a_condition_is_in_degrees(folder):
     Path("study.toml").write_text(
         Path("study.toml").read_text().replace('"omega4_max"', '"omega4_max", "swing"')
     )
-    called("run", "study.toml", "--quiet")
+    called("run", "study.toml", "--overwrite", "--quiet")
     done = called("best", "study.h5", "--minimise", "omega4_max", "--where", "swing_deg=1:")
     assert "degree" in done.stdout.splitlines()[2]
 
 
-def test_best_refuses_a_place_before_it_looks_for_the_best(mapped, monkeypatch):
+def test_best_designs_are_written_to_be_swept_again_and_places_refused_beforehand(mapped, monkeypatch):
+    line = ("best", "study.h5", "--minimise", "omega4_max", "--top", 3, "--to", "best.csv")
+    assert called(*line).exit_code == 0
+    with fl.open("study.h5") as maps:
+        expected = fl.best(maps, minimise="omega4_max", top=3).load()
+    assert fl.table("best.csv").columns["a2"].tolist() == expected.a2.values.tolist()
+    assert_refusal(fl.InputError(*refused(*line)), "--to", "--overwrite")
+    assert called(*line, "--overwrite").exit_code == 0
     monkeypatch.setattr(
         "fastlink.design.best.chosen", lambda *given, **options: pytest.fail("it was computed")
     )
@@ -352,16 +325,6 @@ def test_best_refuses_a_place_before_it_looks_for_the_best(mapped, monkeypatch):
     assert_refusal(fl.InputError(*refused(*line, "best.csv")), "--to", "--overwrite")
     assert_refusal(fl.InputError(*refused(*line, "best.xls")), "--to", ".csv")
     assert Path("best.csv").read_text() == "mine"
-
-
-def test_best_designs_are_written_to_be_swept_again(mapped):
-    line = ("best", "study.h5", "--minimise", "omega4_max", "--top", 3, "--to", "best.csv")
-    assert called(*line).exit_code == 0
-    with fl.open("study.h5") as maps:
-        expected = fl.best(maps, minimise="omega4_max", top=3).load()
-    assert fl.table("best.csv").columns["a2"].tolist() == expected.a2.values.tolist()
-    assert_refusal(fl.InputError(*refused(*line)), "--to", "--overwrite")
-    assert called(*line, "--overwrite").exit_code == 0
 
 
 def test_best_refuses(mapped):
@@ -436,30 +399,19 @@ def test_plot_refuses(mapped):
         assert remedy in line.partition("; ")[2]
 
 
-def test_plot_of_rows_and_fronts(mapped):
-    for arguments, picture in (
-        (["omega4_max", "a3", "--branch", "1"], "omega4_max-a3.png"),
-        (["omega4_max", "--kind", "cumulative", "--to", "c.pdf"], "c.pdf"),
-        (["--minimise", "omega4_max", "--maximise", "a3"], "front.png"),
-        (["omega4_max", "--lines", "a3", "--to", "l.png"], "l.png"),
-    ):
-        assert called("plot", "study.h5", *arguments).stdout == f"{picture}\n"
-        assert (mapped / picture).exists()
-
-
-def test_usage_errors_end_with_2(folder):
+def test_an_interrupt_and_usage_errors_have_their_codes(folder, monkeypatch):
     for arguments in (["run"], ["run", "study.toml", "--wrong"], ["run", "study.toml", "--threads", "x"]):
         done = called(*arguments)
         assert done.exit_code == 2
         assert "Usage: fastlink" in done.stderr
         assert "Traceback" not in done.output
 
+    def interrupted(*args, **options):
+        raise KeyboardInterrupt
 
-# -- the process -----------------------------------------------------------------------------------
-
-
-def test_the_version():
-    assert called("--version").stdout == f"fastlink {version('fastlink-linkages')}\n"
+    monkeypatch.setattr(study, "sweep", interrupted)
+    done = called("run", "study.toml")
+    assert (done.exit_code, done.stdout, done.stderr) == (130, "", "fastlink: interrupted\n")
 
 
 def test_help_imports_nothing_heavy():

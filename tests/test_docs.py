@@ -198,21 +198,18 @@ def test_docstring_examples(name, tmp_path, monkeypatch):
     assert runner.summarize(verbose=False).failed == 0
 
 
-def test_examples_of_guarded_functions_are_found():
-    assert "fastlink.engine.sweep.sweep" in [found.name for found in examples_of("fastlink.engine.sweep")]
-
-
 @pytest.mark.parametrize("name", ["", "planar", "minkowski", "focal", "hart"])
 def test_completion_shows_public_names_alone(name):
     package = getattr(fastlink, name) if name else fastlink
     assert dir(package) == sorted(package.__all__)
 
 
-def test_the_public_functions_have_examples():
+def test_public_functions_have_examples_and_guarded_ones_are_found():
     for name in fastlink.__all__:
         thing = getattr(fastlink, name)
         if callable(thing) and not isinstance(thing, type):
             assert ">>>" in (thing.__doc__ or ""), name
+    assert "fastlink.engine.sweep.sweep" in [found.name for found in examples_of("fastlink.engine.sweep")]
 
 
 # == Each line of the three papers is computed, by a name that is there and held by a test that is there =====

@@ -50,7 +50,7 @@ def test_every_public_function_refuses_a_call_that_does_not_fit(name):
             function(nothing_like_it=1)
 
 
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 SLIDER = {"r": 0.1, "l": 0.3, "e": 0.0}
 
 
@@ -63,106 +63,86 @@ def swept(space, **options):
     return sweep_4r(space, names, **options)
 
 
-@pytest.mark.parametrize(
-    ("call", "key", "remedy"),
-    [
-        (lambda: fl.round_bar(raduis=0.01), "raduis", "'radius'"),
-        (lambda: fl.sobol(N=64, a1=(1, 2)), "n", "n in place of N"),
-        (lambda: fl.sobol(samples=64, a1=(1, 2)), "n", "n in place of samples"),
-        (lambda: swept(fl.sobol(4, Seed=1, a1=(0.1, 0.2))), "Seed", "'seed'"),
-        (lambda: swept(fl.grid(a1=1.0), n_jobs=2), "n_jobs", "'threads'"),
-        (lambda: swept(fl.grid(a1=1.0), output="maps.h5"), "output", "'to'"),
-        (
-            lambda: fl.sweep("planar_4r", designs=fl.grid(a1=1.0), outputs=["omega4"], branch=(1, 2)),
-            "space",
-            "of designs",
-        ),
-        (lambda: fl.latin_hypercube(a1=(1, 2)), "n", "latin_hypercube(n, ranges=..., seed=..., **more)"),
-        (lambda: fl.grid([1.0, 2.0]), "grid", "by name"),
-        (lambda: fl.sobol(8, n=8), "n", "once"),
-        (lambda: fl.sobol(8, n=(1.0, 2.0)), "n", "in a mapping"),
-        (lambda: fl.evaluate("planar_4r", ["theta4"], {"a1": 0.4}), "evaluate", "as **design"),
-        (lambda: fl.focal.cubic(a=1.0), "b, c, d and phi", "cubic(a, b, c, d, phi, branch=...)"),
-        (
-            lambda: fl.function("planar_4r", ["a2"], outputs=["omega4"]),
-            "quantities",
-            "quantities in place of outputs",
-        ),
-        (lambda: fl.explain(study="study.toml"), "subject", "subject in place of study"),
-        (lambda: fl.plot("maps.h5", maximise=[]), "names", "or objectives by "),
-        (lambda: fl.mechanisms(3), "mechanisms", "mechanisms()"),
-        (lambda: fl.open(), "path", "open(path"),
-        (
-            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), quantites=["omega4"], branch=(1, 2)),
-            "quantities",
-            "of quantites",
-        ),
-        (
-            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), ["omega4"], 360, branch=(1, 2)),
-            "sweep",
-            "links=...",
-        ),
-        (
-            lambda: fl.sweep("planar_4r", fl.grid(a1=1.0), branch=(1, 2)),
-            "quantities",
-            "sweep(mechanism, space, quantities",
-        ),
-        (lambda: fl.accuracy("planar_4r", fl.grid(a1=1.0), ["omega4"]), "accuracy", "fastlink new"),
-        (lambda: fl.accuracy("planar_4r"), "study", "fastlink new"),
-        (lambda: fl.run("s.toml", thraeds=2), "thraeds", "'threads'"),
-        (lambda: fl.grid(a1=1.0).values(), "values", "values(name)"),
-        (lambda: fl.DesignSpace("grid"), "dims", "grid, table, sobol"),
-        (lambda: fl.planar.cognates(1, 2, 3), "cognates", "cognates("),
-        (lambda: fl.hart.integer_designs(8, moveable=True), "moveable", "'movable'"),
-        (lambda: fl.run("s.toml", branch=2), "branch", "in the study, under [cycle]"),
-        (lambda: fl.run("s.toml", theta1_deg=[1.0]), "theta1_deg", "in the study, under [cycle]"),
-        (lambda: fl.accuracy("s.toml", minimise="swing"), "minimise", "in the study, under [search]"),
-        (lambda: fl.accuracy("s.toml", a1_mm=400), "a1_mm", "in the study, under [design]"),
-        (lambda: swept(DESIGN, branch="both"), "'both'", "'branch', value=(1, 2)"),
-        (lambda: swept(DESIGN, branch="open"), "'open'", "write 2, which is open where theta1 is in (0, pi)"),
-        (lambda: swept(DESIGN, branch="left"), "'left'", "2 (B to the left"),
-        (
-            lambda: fl.evaluate("planar_4r", ["theta4"], **DESIGN, theta1=1.0, branch="crossed"),
-            "'crossed'",
-            "write 2",
-        ),
-        (
-            lambda: fl.sweep("slider_crank", SLIDER, ["stroke"], theta1_deg=[10.0]),
-            "theta1_deg",
-            "as theta_deg",
-        ),
-        (
-            lambda: fl.evaluate("slider_crank", ["transmission_angle"], **SLIDER, theta1_deg=10.0),
-            "theta1_deg",
-            "write theta_deg",
-        ),
-        (lambda: fl.evaluate("planar_4r", ["theta4"], **DESIGN, positions=20), "positions", "write theta1"),
-        (lambda: swept(DESIGN, quantities=["swing_deg"]), "swing_deg", "write 'swing'"),
-        (lambda: swept(DESIGN, quantities=["d_swing_d_a1_mm"]), "d_swing_d_a1_mm", "write 'd_swing_d_a1'"),
-        (lambda: fl.draw("slider_crank", SLIDER, theta1_deg=10.0), "theta1_deg", "write theta_deg"),
-        (lambda: swept(DESIGN, theta=[1.0]), "theta", "write its positions as theta1"),
-        (lambda: search_of({"status": "wrong meaning"}), "'status'", "rotates_fully"),
-        (lambda: search_of("wrong meaning"), "'wrong meaning'", "rotates_fully"),
-        (lambda: search_of({"grashof_class": ["rocker_cranc"]}), "'grashof_class'", "'rocker_crank'"),
-        (lambda: fl.sweep("planar_4r", DESIGN, ["omega4_maxx"]), "omega4_maxx", "'omega4_max'"),
-        (lambda: fl.sweep("planar_4r", DESIGN, ["theta4_minn"]), "theta4_minn", "'theta4_min'"),
-    ],
-)
-def test_a_wrong_call_names_the_parameter_and_what_to_write(call, key, remedy):
+#: Calls, what is wrong with each, and what to write instead.
+WRONG_CALLS = {
+    "fl.round_bar(raduis=0.01)": ("raduis", "'radius'"),
+    "fl.sobol(N=64, a1=(1, 2))": ("n", "n in place of N"),
+    "fl.sobol(samples=64, a1=(1, 2))": ("n", "n in place of samples"),
+    "swept(fl.sobol(4, Seed=1, a1=(0.1, 0.2)))": ("Seed", "'seed'"),
+    "swept(fl.grid(a1=1.0), n_jobs=2)": ("n_jobs", "'threads'"),
+    "swept(fl.grid(a1=1.0), output='maps.h5')": ("output", "'to'"),
+    "fl.sweep('planar_4r', designs=fl.grid(a1=1.0), outputs=['omega4'], branch=(1, 2))": (
+        "space",
+        "of designs",
+    ),
+    "fl.latin_hypercube(a1=(1, 2))": ("n", "latin_hypercube(n, ranges=..., seed=..., **more)"),
+    "fl.grid([1.0, 2.0])": ("grid", "by name"),
+    "fl.sobol(8, n=8)": ("n", "once"),
+    "fl.sobol(8, n=(1.0, 2.0))": ("n", "in a mapping"),
+    "fl.evaluate('planar_4r', ['theta4'], {'a1': 0.4})": ("evaluate", "as **design"),
+    "fl.focal.cubic(a=1.0)": ("b, c, d and phi", "cubic(a, b, c, d, phi, branch=...)"),
+    "fl.function('planar_4r', ['a2'], outputs=['omega4'])": ("quantities", "quantities in place of outputs"),
+    "fl.explain(study='study.toml')": ("subject", "subject in place of study"),
+    "fl.plot('maps.h5', maximise=[])": ("names", "or objectives by "),
+    "fl.mechanisms(3)": ("mechanisms", "mechanisms()"),
+    "fl.open()": ("path", "open(path"),
+    "fl.sweep('planar_4r', fl.grid(a1=1.0), quantites=['omega4'], branch=(1, 2))": (
+        "quantities",
+        "of quantites",
+    ),
+    "fl.sweep('planar_4r', fl.grid(a1=1.0), ['omega4'], 360, branch=(1, 2))": ("sweep", "links=..."),
+    "fl.sweep('planar_4r', fl.grid(a1=1.0), branch=(1, 2))": (
+        "quantities",
+        "sweep(mechanism, space, quantities",
+    ),
+    "fl.accuracy('planar_4r', fl.grid(a1=1.0), ['omega4'])": ("accuracy", "fastlink new"),
+    "fl.accuracy('planar_4r')": ("study", "fastlink new"),
+    "fl.run('s.toml', thraeds=2)": ("thraeds", "'threads'"),
+    "fl.grid(a1=1.0).values()": ("values", "values(name)"),
+    "fl.DesignSpace('grid')": ("dims", "grid, table, sobol"),
+    "fl.planar.cognates(1, 2, 3)": ("cognates", "cognates("),
+    "fl.hart.integer_designs(8, moveable=True)": ("moveable", "'movable'"),
+    "fl.run('s.toml', branch=2)": ("branch", "in the study, under [cycle]"),
+    "fl.run('s.toml', theta1_deg=[1.0])": ("theta1_deg", "in the study, under [cycle]"),
+    "fl.accuracy('s.toml', minimise='swing')": ("minimise", "in the study, under [search]"),
+    "fl.accuracy('s.toml', a1_mm=400)": ("a1_mm", "in the study, under [design]"),
+    "swept(DESIGN, branch='both')": ("'both'", "'branch', value=(1, 2)"),
+    "swept(DESIGN, branch='open')": ("'open'", "write 2, which is open where theta1 is in (0, pi)"),
+    "swept(DESIGN, branch='left')": ("'left'", "2 (B to the left"),
+    "fl.evaluate('planar_4r', ['theta4'], **DESIGN, theta1=1.0, branch='crossed')": ("'crossed'", "write 2"),
+    "fl.sweep('slider_crank', SLIDER, ['stroke'], theta1_deg=[10.0])": ("theta1_deg", "as theta_deg"),
+    "fl.evaluate('slider_crank', ['transmission_angle'], **SLIDER, theta1_deg=10.0)": (
+        "theta1_deg",
+        "write theta_deg",
+    ),
+    "fl.evaluate('planar_4r', ['theta4'], **DESIGN, positions=20)": ("positions", "write theta1"),
+    "swept(DESIGN, quantities=['swing_deg'])": ("swing_deg", "write 'swing'"),
+    "swept(DESIGN, quantities=['d_swing_d_a1_mm'])": ("d_swing_d_a1_mm", "write 'd_swing_d_a1'"),
+    "fl.draw('slider_crank', SLIDER, theta1_deg=10.0)": ("theta1_deg", "write theta_deg"),
+    "swept(DESIGN, theta=[1.0])": ("theta", "write its positions as theta1"),
+    "search_of({'status': 'wrong meaning'})": ("'status'", "rotates_fully"),
+    "search_of('wrong meaning')": ("'wrong meaning'", "rotates_fully"),
+    "search_of({'grashof_class': ['rocker_cranc']})": ("'grashof_class'", "'rocker_crank'"),
+    "fl.sweep('planar_4r', DESIGN, ['omega4_maxx'])": ("omega4_maxx", "'omega4_max'"),
+    "fl.sweep('planar_4r', DESIGN, ['theta4_minn'])": ("theta4_minn", "'theta4_min'"),
+}
+
+
+@pytest.mark.parametrize("call", WRONG_CALLS)
+def test_a_wrong_call_names_the_parameter_and_what_to_write(call):
+    key, remedy = WRONG_CALLS[call]
     with pytest.raises(fl.InputError) as caught:
-        call()
+        eval(call)
     problems = [(str(one.where) + one.what, str(one.remedy)) for one in caught.value.problems]
     assert any(key in where and remedy in mended for where, mended in problems), caught.value
 
 
-def test_all_that_is_wrong_with_a_call_is_named():
+def test_all_that_is_wrong_with_a_call_is_named_and_errors_inside_are_passed_on():
     with pytest.raises(CallError) as caught:
         fl.plot(nmae="omega4", branches=1, colour="red")
     wheres = {one.where for one in caught.value.problems}
     assert wheres == {("plot", key) for key in ("maps", "nmae", "branches", "colour")}
 
-
-def test_an_error_inside_a_right_call_is_passed_on():
     @door
     def broken(value):
         return value + "text"
@@ -181,16 +161,14 @@ def test_a_guarded_function_keeps_its_signature_and_travels():
     assert (again.problems, str(again)) == (caught.value.problems, str(caught.value))
 
 
-def test_a_mechanism_or_a_missing_file_is_not_a_study():
+def test_the_command_alone_prints_its_help_and_a_mechanism_is_no_study():
     for function in (fl.accuracy, fl.explain, fl.run):
         with refused("planar_4r", "`fastlink new planar_4r > study.toml` writes one"):
             function("planar_4r")
+    assert "\n  run " in CliRunner().invoke(app, []).output
 
-
-# -- long words on the command line, whose usage typer tells; and names of nothing ----
 
 WORD = "w" * 5000
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 LINES = (
     f"{WORD}", f"--{WORD}", f"run --{WORD}", f"run study.toml {WORD}", f"run {WORD}", f"run study.toml --part {WORD}",
     f"info {WORD}", f"best maps.h5 --minimise {WORD}", f"best maps.h5 --minimise omega4_max --where {WORD}",
@@ -228,8 +206,6 @@ def test_at_least_one_objective_is_named(swept_maps):
                 call()
 
 
-# -- imports ---------------------------------------------------------------------------------------
-
 IMPORTS = """
 import sys
 
@@ -260,11 +236,14 @@ def test_functions_of_a_mechanism_are_imported_by_their_public_names():
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_misspelt_public_name_is_answered_with_the_nearest():
+def test_misspelt_and_earlier_names_are_answered_with_what_is_there():
     with pytest.raises(AttributeError, match=r"no attribute 'swep'; did you mean 'sweep'\?"):
         fl.swep  # noqa: B018
     with pytest.raises(ImportError, match=r"cannot import 'swep' .*; did you mean 'sweep'\?"):
         from fastlink import swep  # noqa: F401
+    function = fl.function("planar_4r", ["a2"], ["grashof_class"], a1=0.4, a3=0.8, a4=1.0)
+    with pytest.raises(AttributeError, match=r"'outputs'; did you mean 'quantities'\?"):
+        function.outputs  # noqa: B018
 
 
 #: The names of 0.2 that are gone, and what stands in their place.
@@ -297,15 +276,6 @@ def test_a_name_of_an_earlier_version_is_answered_with_what_replaces_it(name):
     assert name not in dir(fl)
 
 
-def test_the_outputs_of_a_function_are_its_quantities():
-    function = fl.function("planar_4r", ["a2"], ["grashof_class"], a1=0.4, a3=0.8, a4=1.0)
-    with pytest.raises(AttributeError, match=r"'outputs'; did you mean 'quantities'\?"):
-        function.outputs  # noqa: B018
-
-
-# -- one default for the branch --------------------------------------------------------------------
-
-
 def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
     space = fl.grid(DESIGN | {"a2": [1.1, 1.2]})
     study = tmp_path / "study.toml"
@@ -320,9 +290,6 @@ def test_every_door_takes_branch_1_unless_it_is_told(tmp_path):
         assert inspect.signature(call).parameters["branch"].default == 1
     assert "2 designs, 1 branch" in fl.explain("planar_4r", space, ["omega4_max"]).title
     assert fl.planar.rate_extrema(space, pair="14").branch == 1
-
-
-# -- answers that misled ---------------------------------------------------------------------------
 
 
 def test_a_branch_that_a_result_lacks_is_no_condition_to_be_missed():
@@ -342,40 +309,23 @@ def test_a_branch_that_a_result_lacks_is_no_condition_to_be_missed():
         fl.plot(maps, "omega4_max", branch=2)
 
 
-@pytest.mark.parametrize(
-    ("call", "key", "remedy"),
-    [
-        (
-            lambda maps: fl.search("planar_4r", DESIGN, minimise="omega4_max", samples=9),
-            "samples",
-            "fl.sobol(n, ",
-        ),
-        (
-            lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4"], position=9),
-            "position",
-            "did you mean 'positions'?",
-        ),
-        (lambda maps: fl.sweep("planar_4r", DESIGN, ["omega4"], mode=2), "mode", "did you mean 'branch'?"),
-        (
-            lambda maps: fl.best(maps, minimise="omega4_max", where="a1 < 0.5"),
-            "where: 'a1 < 0.5'",
-            "{'a1': ':0.5'}",
-        ),
-        (
-            lambda maps: fl.plot(maps.isel(design=0, branch=0), "omega4_max", kind="cumulative"),
-            "it is one value",
-            "has several",
-        ),
-        (
-            lambda maps: fl.sweep("planar_4r", written(GOOD), ["swing"]),
-            "is a study",
-            "fastlink.run('study.toml')",
-        ),
-    ],
-)
-def test_an_answer_names_what_is_meant(swept_maps, call, key, remedy):
-    with refused(key, remedy):
-        call(swept_maps)
+MISLEADING = {
+    "fl.search('planar_4r', DESIGN, minimise='omega4_max', samples=9)": ("samples", "fl.sobol(n, "),
+    "fl.sweep('planar_4r', DESIGN, ['omega4'], position=9)": ("position", "did you mean 'positions'?"),
+    "fl.sweep('planar_4r', DESIGN, ['omega4'], mode=2)": ("mode", "did you mean 'branch'?"),
+    "fl.best(maps, minimise='omega4_max', where='a1 < 0.5')": ("where: 'a1 < 0.5'", "{'a1': ':0.5'}"),
+    "fl.plot(maps.isel(design=0, branch=0), 'omega4_max', kind='cumulative')": (
+        "it is one value",
+        "has several",
+    ),
+    "fl.sweep('planar_4r', written(GOOD), ['swing'])": ("is a study", "fastlink.run('study.toml')"),
+}
+
+
+@pytest.mark.parametrize("call", MISLEADING)
+def test_an_answer_names_what_is_meant(swept_maps, call):
+    with refused(*MISLEADING[call]):
+        eval(call, globals() | {"maps": swept_maps})
 
 
 def test_the_accessors_answer_as_the_module_does(swept_maps):
@@ -390,7 +340,6 @@ def test_the_accessors_answer_as_the_module_does(swept_maps):
 
 # == Calls that a user who is in a hurry makes, of each class one: the answer says what to write, and that is right
 
-DESIGN_CARELESS = dict(a1=0.4, a2=1.2, a3=0.8, a4=1.0, omega1=25.0)
 ROW = "0.4,1.2,0.8,1.0"
 CALLS = {
     'fl.sweep("planar_4r", DESIGN, "swing, omega4_max")': "write a list: ['swing', 'omega4_max']",
@@ -439,7 +388,7 @@ LINES_CARELESS = {
 def names(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("careless"))
-        maps = fl.sweep("planar_4r", fl.grid(DESIGN_CARELESS | {"a2": [1.1, 1.2, 1.3]}), ["swing"])
+        maps = fl.sweep("planar_4r", fl.grid(DESIGN | {"a2": [1.1, 1.2, 1.3]}), ["swing"])
 
         def table(text):
             with open("designs.csv", "w") as file:
@@ -447,8 +396,8 @@ def names(tmp_path_factory):
             return fl.table("designs.csv")
 
         table(f"a1,a2,a3,a4\n{ROW}")
-        space = fl.sobol(64, DESIGN_CARELESS | {"a1": (0.1, 0.4)})
-        yield {"fl": fl, "maps": maps, "table": table, "DESIGN": DESIGN_CARELESS, "SPACE": space, "ROW": ROW}
+        space = fl.sobol(64, DESIGN | {"a1": (0.1, 0.4)})
+        yield {"fl": fl, "maps": maps, "table": table, "DESIGN": DESIGN, "SPACE": space, "ROW": ROW}
 
 
 @pytest.mark.parametrize("call", CALLS)
@@ -465,7 +414,7 @@ def test_a_careless_command_is_told_what_to_write(line):
 def test_what_can_hardly_be_meant_is_remarked_on(names):
     bars = fl.round_bar(0.01, 7750.0)  # the wrong way round
     with pytest.warns(fl.InputWarning, match=r"radius is 7750 m, of bars up to 1.2 m long"):
-        fl.sweep("planar_4r", DESIGN_CARELESS, ["shaking_force_max"], links=bars)
+        fl.sweep("planar_4r", DESIGN, ["shaking_force_max"], links=bars)
     with pytest.warns(
         fl.InputWarning, match="a1 is 5 m, more than a1 itself; if it is in per cent, write a1='5 %'"
     ):
@@ -482,18 +431,8 @@ def test_units_are_taken_wherever_inputs_are_named(names):
 
 def test_a_study_of_a_search_needs_no_table_of_designs(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    lines = (
-        "[search]",
-        'minimise = "stroke"',
-        "samples = 64",
-        "[search.bounds]",
-        "r = [0.1, 0.2]",
-        "l = [0.4, 0.6]",
-    )
+    lines = ("[search]", 'minimise = "stroke"', "samples = 64")
+    lines += ("[search.bounds]", "r = [0.1, 0.2]", "l = [0.4, 0.6]")
     (tmp_path / "s.toml").write_text("\n".join(('mechanism = "slider_crank"', *lines, "e = [0.0, 0.1]")))
     with fl.run("s.toml") as found:
         assert found.attrs["searched_designs"] == 64
-
-
-def test_the_command_alone_prints_its_help_in_lines():
-    assert "\n  run " in CliRunner().invoke(app, []).output

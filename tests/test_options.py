@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -132,9 +133,6 @@ def test_a_wrong_option_is_refused_alike_at_every_door(folder, door, option, val
     assert sorted(path.name for path in folder.iterdir()) in ([], ["study.toml"])
 
 
-# -- paths -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("door", "key", "example"),
     [
@@ -152,7 +150,7 @@ def test_what_no_file_can_be_called_is_refused_wherever_a_file_is_read(door, key
         fl.table("a\0b.csv")
 
 
-def test_a_path_may_begin_at_home_and_be_any_path_like(folder, monkeypatch):
+def test_a_path_may_begin_at_home_be_any_path_like_and_as_long_as_its_neighbours_allow(folder, monkeypatch):
     class Entry:
         def __fspath__(self):
             return "~/by_entry.h5"
@@ -161,9 +159,6 @@ def test_a_path_may_begin_at_home_and_be_any_path_like(folder, monkeypatch):
     sweep(to=Entry(), verify=0).close()
     with fl.open("~/by_entry.h5") as maps:
         assert maps.sizes["a2"] == 2
-
-
-def test_the_longest_name_has_room_for_what_is_beside_it(folder):
     for length in (LONGEST_FILE_NAME - less for less in (20, 13, 12, 5, 0)):
         try:
             sweep(to="x" * length, verify=0).close()
@@ -202,21 +197,9 @@ def test_the_command_line_names_its_own_options(folder, arguments, option):
     assert Path("study.toml").read_text() == GOOD
 
 
-# -- attributes ------------------------------------------------------------------------------------
-
-
 NAMES = ["", "a/b", "a\0b", "a ", "\ud800", "_NCProperties", "CLASS", "coordinates", "a" * 300]
 VALUES = [None, b"text", {}, "x\0y", "\ud800", 2**64, -(2**63) - 1, 1j, [], ["x", "y"], [[1.0], [2.0, 3.0]]]
 VALUES += [np.zeros((2, 2)), np.longdouble(1), np.float16(1), np.datetime64("2020-01-01")]
-
-
-def test_attributes_that_no_file_holds_are_refused_before_anything_is_computed():
-    for name in NAMES:
-        with refused("attrs", "letters"):
-            sweep(attrs={name: 1})
-    for value in VALUES:
-        with refused("attrs", "write "):
-            sweep(attrs={"a": value})
 
 
 GOOD_ATTRS = {
@@ -236,12 +219,18 @@ GOOD_ATTRS = {
 }
 
 
-def test_other_attributes_are_kept_in_memory_and_in_files(folder):
+def test_attributes_are_kept_in_memory_and_in_files_or_refused_before_anything_is_computed(folder):
     in_memory = sweep(attrs=GOOD_ATTRS)
     with sweep(attrs=GOOD_ATTRS, to="maps.h5") as in_file:
         for name, value in GOOD_ATTRS.items():
-            np.testing.assert_array_equal(in_memory.attrs[name], value)
-            np.testing.assert_array_equal(in_file.attrs[name], value)
+            assert_array_equal(in_memory.attrs[name], value)
+            assert_array_equal(in_file.attrs[name], value)
+    for name in NAMES:
+        with refused("attrs", "letters"):
+            sweep(attrs={name: 1})
+    for value in VALUES:
+        with refused("attrs", "write "):
+            sweep(attrs={"a": value})
 
 
 def test_no_attribute_of_a_map_can_be_overwritten(folder):
@@ -260,9 +249,6 @@ def test_no_attribute_of_a_map_can_be_overwritten(folder):
     with pytest.raises(fl.InputError) as caught:
         sweep(attrs=maps[0].attrs)
     assert all(name in caught.value.what for name in ("mechanism", "designs", "threads", "run_time_s"))
-
-
-# -- threads ---------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("started", [0, 1, 3])
@@ -297,18 +283,21 @@ class Terse(Wording):
         return None if isinstance(piece, Setting) else super().piece(piece)
 
 
-def test_a_problem_is_one_line_in_python():
+def test_a_problem_is_one_line_that_travels():
     error = InputError("is 0", where=("design", "a2", 3), remedy=REMEDY)
     assert (error.where, error.what, error.remedy) == (("design", "a2", 3), "is 0", REMEDY)
     assert str(error) == (
         "design: a2[3] is 0; write (lo, hi) or numpy.linspace(-4, 4, 401), or solver='dense' too"
     )
-
-
-def test_an_option_that_a_door_lacks_is_left_out():
     assert Terse().line(Problem("none is given", ("branch",), REMEDY)) == (
         "branch: none is given; write (lo, hi) or numpy.linspace(-4, 4, 401)"
     )
+    # Such as a key `self` of a study.
+    assert Problems().attempt(dict, self=1) == {"self": 1}
+    error = InputError.of([Problem("is 0", ("threads",), "write 1"), Problem("is 1", ("verify",))])
+    again = pickle.loads(pickle.dumps(error))
+    assert again.problems == error.problems
+    assert str(again) == str(error)
 
 
 def test_problems_are_noted_with_their_place_and_raised_together():
@@ -322,13 +311,6 @@ def test_problems_are_noted_with_their_place_and_raised_together():
         problems.stop()
     assert [one.where for one in caught.value.problems] == [("quantities", 2), ("threads",)]
     assert len(str(caught.value).splitlines()) == 2
-
-
-def test_an_error_of_another_process_keeps_its_parts():
-    error = InputError.of([Problem("is 0", ("threads",), "write 1"), Problem("is 1", ("verify",))])
-    again = pickle.loads(pickle.dumps(error))
-    assert again.problems == error.problems
-    assert str(again) == str(error)
 
 
 def test_a_sweep_names_all_that_is_wrong_with_it():
@@ -418,8 +400,3 @@ def test_any_value_has_a_short_text_that_is_the_same_each_time(value):
     assert "\n" not in text
     assert "0x" not in text
     assert text == short_repr(value)
-
-
-def test_an_attempt_takes_arguments_of_any_name():
-    """Such as a key `self` of a study."""
-    assert Problems().attempt(dict, self=1) == {"self": 1}

@@ -32,15 +32,12 @@ radius = 0.01
 """
 
 
-def test_the_citation_is_of_this_version_and_names_the_three_papers():
+def test_citation_and_changelog_are_of_this_version():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text())
     assert citation["version"] == PROJECT["version"]
     assert citation["license"] == PROJECT["license"]
     titles = " ".join(paper["title"] for paper in citation["references"])
     assert all(word in titles for word in ("Minkowskian", "Angular Velocity", "Focal"))
-
-
-def test_the_changelog_has_a_dated_section_of_this_version():
     sections = re.findall(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(), flags=re.MULTILINE)
     assert sections[0] == "[Unreleased]"
     version, _, date = sections[1].partition(" - ")

@@ -42,20 +42,14 @@ class Anchors(HTMLParser):
         self.found |= {value for name, value in attrs if name == "id"}
 
 
-def test_every_page_is_reached_from_the_first(site):
+def test_every_page_is_reached_every_public_name_shown_and_every_generated_page_whole(site):
     pages = {str(page.relative_to(DOCS).with_suffix(".html")) for page in DOCS.rglob("*.md")}
     first = (site / "index.html").read_text()
     assert {page for page in pages if f'href="{page}' not in first} - {"index.html"} == set()
-
-
-def test_the_api_shows_every_public_name(site):
     shown, modules = Anchors((site / "api.html").read_text()).found, ("planar", "minkowski", "focal", "hart")
     public = {f"fastlink.{name}" for name in fl.__all__ if name not in (*modules, "__version__")}
     public |= {f"fastlink.{module}.{name}" for module in modules for name in getattr(fl, module).__all__}
     assert public - shown == set()
-
-
-def test_generated_pages_are_whole(site):
     quantities, papers = ((site / f"{name}.html").read_text() for name in ("quantities", "papers"))
     assert [name for name in NAMES if f'id="{name.replace("_", "-")}"' not in quantities] == []
     assert quantities.count("<tr") > 400

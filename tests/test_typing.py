@@ -1,7 +1,4 @@
-"""The type hints that name mechanisms, quantities and inputs: the committed stubs are those of the catalogues.
-
-That type checkers accept and refuse what they should is in ``tests/typing``, which ``mypy`` reads.
-"""
+"""The type hints that name mechanisms, quantities and inputs: the committed stubs are those of the catalogues."""
 
 import inspect
 from typing import get_args
@@ -47,9 +44,6 @@ def test_signatures_keep_the_parameters_of_the_functions():
         for parameter in inspect.signature(getattr(fl, name)).parameters.values():
             if parameter.kind is not inspect.Parameter.VAR_KEYWORD:
                 assert f"    {parameter.name}: " in text
-
-
-def test_an_unknown_type_is_refused():
     with pytest.raises(AttributeError, match="Planar5rInput"):
         _ = typing.Planar5rInput
     assert dir(typing) == typing.__all__

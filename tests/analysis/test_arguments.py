@@ -1,15 +1,12 @@
 """Functions of designs: how a design is given, how arguments are broadcast, and the limits of numbers."""
 
-from __future__ import annotations
-
-from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from numpy.testing import assert_array_equal, assert_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -23,7 +20,7 @@ MASSES = (
 )
 FOCAL = {"a": 3.0, "b": 5.0, "c": 4.0, "d": 6.0, "phi": 0.5}
 #: Each function with a good call.
-CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
+CALLS = {
     "sextic": (fl.planar.sextic, CURVE),
     "curve_length": (fl.planar.curve_length, CURVE | {"branch": 2}),
     "curve_area": (fl.planar.curve_area, CURVE | {"branch": 2}),
@@ -37,10 +34,7 @@ CALLS: dict[str, tuple[Callable[..., Any], dict[str, Any]]] = {
     "io_coefficients": (fl.planar.io_coefficients, LENGTHS | {"pair": "14"}),
     "force_balance": (fl.planar.force_balance, MASSES | {"radius1": 0.1, "mass3": 2.0, "links": None}),
     "focal.cubic": (fl.focal.cubic, FOCAL | {"branch": 2}),
-    "focal.from_point": (
-        fl.focal.from_point,
-        FOCAL | {"x": 1.0, "y": 2.0, "branch": 2},
-    ),
+    "focal.from_point": (fl.focal.from_point, FOCAL | {"x": 1.0, "y": 2.0, "branch": 2}),
     "focal.five_bar": (
         fl.focal.five_bar,
         {"m": 1.0, "p": 1.5, "q": 2.0, "n": 1.2, "d": 2.0, "phi": 0.4, "omega_angle": 1.0, "branch": 2},
@@ -59,7 +53,7 @@ def test_a_design_is_given_by_name_or_as_one(called):
     frame = pd.DataFrame({name: [value] for name, value in whole.items()}).assign(label="x")
     by_name = function(**inputs, **options)
     for design in (whole, xr.Dataset(whole).assign(omega4=1.0), frame):
-        np.testing.assert_equal(
+        assert_equal(
             np.ravel(np.array(list(flat(function(design, **options))))),
             np.ravel(np.array(list(flat(by_name)))),
         )
@@ -73,7 +67,7 @@ def test_a_design_is_given_by_name_or_as_one(called):
         function(3.0, **options)
 
 
-def flat(result: Any) -> Any:
+def flat(result):
     """Yield every number of a result."""
     if isinstance(result, dict):
         result = list(result.values())
@@ -86,7 +80,7 @@ def flat(result: Any) -> Any:
         yield from np.ravel(result)
 
 
-def test_dataarrays_are_broadcast_by_their_dimensions():
+def test_dataarrays_and_modes_are_broadcast_by_their_dimensions():
     """Equal lengths along other dimensions make a product, not pairs."""
     a1 = xr.DataArray([0.3, 0.4], dims="a1")
     a2 = xr.DataArray([1.1, 1.2], dims="a2")
@@ -98,9 +92,6 @@ def test_dataarrays_are_broadcast_by_their_dimensions():
     one, other = (xr.DataArray([1.0, 1.1], dims="k", coords={"k": k}) for k in ([0, 1], [1, 2]))
     with refused("a4", "that both have"):
         fl.planar.curve_length(CURVE | {"a2": one, "a4": other})
-
-
-def test_modes_are_broadcast_with_designs():
     both = fl.planar.curve_length(CURVE, branch=[1, 2])
     assert both.tolist() == [fl.planar.curve_length(CURVE, branch=k) for k in (1, 2)]
     counts = fl.planar.inflections(CURVE, branch=[1, 2], samples=8)[3]
@@ -149,20 +140,17 @@ def test_points_of_any_size(scale):
     x, y = np.random.default_rng(8).uniform(-8e6, 8e6, (2, 9))  # below 2^23: the greatest is 2^1023
     assert fl.planar.straightness(scale * x, scale * y) == scale * fl.planar.straightness(x, y)
     plain, other = fl.focal.straight_line(x, y), fl.focal.straight_line(scale * x, scale * y)
-    np.testing.assert_equal(other[:2], [scale * value for value in plain[:2]])
+    assert_equal(other[:2], [scale * value for value in plain[:2]])
     assert other.direction == plain.direction
-    np.testing.assert_array_equal(other.deviation, scale * plain.deviation)
+    assert_array_equal(other.deviation, scale * plain.deviation)
 
 
-def test_no_points_give_no_line():
+def test_no_points_give_no_line_and_a_gap_no_branch():
     assert fl.focal.cubic_points(**FOCAL | {"a": []}, samples=3).shape == (0, 32, 2)
     for x in ([], np.zeros((2, 0))):
         assert np.isnan(fl.focal.straight_line(x, x).direction).all()
         assert np.isnan(fl.planar.straightness(x, x)).all()
-
-
-def test_a_configuration_with_a_gap_has_no_branch():
-    """The branch was 1."""
+    # The branch was 1.
     for cognate in fl.planar.cognates(CURVE):
         for gap in range(3):
             angles = [[1.0, np.nan] if k == gap else 0.5 + k for k in range(3)]
@@ -183,17 +171,14 @@ def test_a_flywheel_within_the_range_of_doubles(swing, speed, C_s):
         assert inertia == (np.inf if exact > greatest else 0.0)
 
 
-def test_a_flywheel_has_one_coefficient_or_one_for_each_value():
-    with refused("C_s", "one for each"):
-        fl.planar.flywheel_inertia({"T41_fluctuation": np.ones(3), "omega1": 2.0}, [0.1, 0.2])
-
-
-def test_counterweights_beyond_doubles_are_refused():
+def test_counterweights_beyond_doubles_and_coefficients_for_other_values_are_refused():
     """They were infinite, with warnings."""
     with refused("force_balance", "usual sizes"):
         fl.planar.force_balance(MASSES | {"m2": 1.7e308, "a1": 10.0}, radius1=1e-3)
     with refused("radius1", "in another unit"):
         fl.planar.force_balance(MASSES, radius1=5e-324)
+    with refused("C_s", "one for each"):
+        fl.planar.flywheel_inertia({"T41_fluctuation": np.ones(3), "omega1": 2.0}, [0.1, 0.2])
 
 
 @pytest.mark.parametrize(

@@ -1,18 +1,16 @@
 """The coupler curve: sextic, cognates, straightness and inflections, each against another way to it."""
 
-from __future__ import annotations
-
 from functools import cache, partial
 from itertools import pairwise
-from typing import Any
 
 import mpmath as mp
 import numpy as np
 import pytest
 from flint import arb, ctx, fmpq
-from tests.support.configurations import LENGTHS
-from tests.support.curve_designs import (
+from numpy.testing import assert_array_equal
+from tests.support.configurations import (
     CURVE,
+    LENGTHS,
     apart_from_change_points,
     design_of,
     evaluate,
@@ -36,8 +34,6 @@ from fastlink.planar import (
     sextic,
     straightness,
 )
-
-# -- sextic ------------------------------------------------------------------------------------------
 
 
 def majorant(inputs, X, Y):
@@ -84,12 +80,9 @@ def test_the_sextic_anywhere_is_the_product_over_both_assemblies_with_the_crank(
 def test_the_sextic_is_tricircular_and_sees_both_branches_of_a_design():
     c = sextic(design_of([0.4, 0.5], 1.2, 0.8, 1.0, 0.3, 0.2))
     top = np.array([[c[0, i, 6 - i] for i in range(7)], [c[1, i, 6 - i] for i in range(7)]])
-    np.testing.assert_array_equal(top, [[1, 0, 3, 0, 3, 0, 1]] * 2)
+    assert_array_equal(top, [[1, 0, 3, 0, 3, 0, 1]] * 2)
     assert not any(c[:, i, j].any() for i in range(7) for j in range(7 - i, 7))
-    np.testing.assert_array_equal(c[1], sextic(design_of(0.5, 1.2, 0.8, 1.0, 0.3, 0.2)))
-
-
-# -- cognates ----------------------------------------------------------------------------------------
+    assert_array_equal(c[1], sextic(design_of(0.5, 1.2, 0.8, 1.0, 0.3, 0.2)))
 
 
 @pytest.mark.parametrize("branch", [1, 2])
@@ -105,7 +98,7 @@ def test_cognates_trace_the_same_points(branch):
     sine_cognate = np.abs(np.sin(got["theta4"] - theta))
     for cognate in cognates(inputs):
         angle, side = cognate.configuration(theta, got["theta2"], got["theta4"])
-        np.testing.assert_array_equal(side[closes & (cognate.number == 1)], branch)
+        assert_array_equal(side[closes & (cognate.number == 1)], branch)
         own = cognate.design
         traced = evaluate(["P_x", "P_y"], own, angle, side)
         X, Y = cognate.to_ground(traced["P_x"], traced["P_y"])
@@ -117,9 +110,6 @@ def test_cognates_trace_the_same_points(branch):
         assert good.sum() > 0.95 * closes.sum()
         allowed = 8 * UNIT_ROUNDING * reach * spread
         assert np.all(np.hypot(X - got["P_x"], Y - got["P_y"])[good] <= allowed[good]), cognate.number
-
-
-# -- length, area, straightness ----------------------------------------------------------------------
 
 
 def test_straightness():
@@ -155,9 +145,6 @@ def test_straightness_of_curves():
     ends = {"theta1": (np.pi - 1.2, np.pi + 1.2), "branch": 2}
     assert curve_straightness(**lambda_linkage, **ends, samples=201) == part
     assert curve_straightness(**lambda_linkage, branch=2) > 50 * part
-
-
-# -- inflections -------------------------------------------------------------------------------------
 
 
 def test_inflections_next_to_toggles_are_found():
@@ -197,12 +184,10 @@ def test_inflections_of_circles_and_of_many_designs():
     )
     assert count.shape == (2, 3)
     assert theta1.shape == X.shape == (2, 3, count.max())
-    np.testing.assert_array_equal(np.isfinite(theta1).sum(axis=-1), count)
+    assert_array_equal(np.isfinite(theta1).sum(axis=-1), count)
 
 
 # == Crunodes and cusps of coupler curves against polylines and the instant centre ===========================
-
-# -- crunodes ----------------------------------------------------------------------------------------
 
 
 def test_two_configurations_of_the_linkage_meet_at_a_crunode():
@@ -211,7 +196,7 @@ def test_two_configurations_of_the_linkage_meet_at_a_crunode():
     a1, a2, a3, a4, u, v = (inputs[name][:, None] for name in CURVE)
     X, Y, count = crunodes(**inputs)
     assert X.shape == Y.shape == (5000, 3)
-    np.testing.assert_array_equal(np.isfinite(X).sum(axis=-1), count)
+    assert_array_equal(np.isfinite(X).sum(axis=-1), count)
     assert min(np.bincount(count, minlength=4)) > 300
     z, p = X + 1j * Y, u + 1j * v
     square, length = np.abs(z) ** 2, np.abs(p)
@@ -294,21 +279,12 @@ def test_crunodes_against_crossings_of_polylines(n):
     assert coarse <= 0.05 * n
 
 
-# -- cusps -------------------------------------------------------------------------------------------
-
-
-def coupler_motion(lengths, point, e):
-    """A, AB and the coupler point seen from A, at theta1 and theta2."""
-    A, AB = lengths[0] * np.exp(1j * e[0]), lengths[1] * np.exp(1j * e[1])
-    return A, AB, point * AB / lengths[1]
-
-
 def designs_with_a_cusp(seed, n):
     """Designs whose P is where OA and DB meet at some configuration, and that configuration's place of P."""
     inputs, theta = random_designs(seed, 6 * n)
     lengths = np.array([inputs[name] for name in LENGTHS])
     theta2 = evaluate(["theta2"], inputs, theta, 1)["theta2"]
-    A, AB, _ = coupler_motion(lengths, 1.0, (theta, theta2))
+    A, AB = lengths[0] * np.exp(1j * theta), lengths[1] * np.exp(1j * theta2)
     DB, along = A + AB - lengths[3], A / lengths[0]
     with np.errstate(invalid="ignore"):
         pole = along * (DB.conj() * lengths[3]).imag / (DB.conj() * along).imag
@@ -345,13 +321,13 @@ def test_where_p_lies_on_the_moving_centrode_the_curve_has_a_cusp():
 DIGITS, NODES, TOLERANCE, DYADIC = 40, 32, 1e-17, 2
 
 
-def exact(x: float) -> Any:
+def exact(x):
     """Return a double as it is."""
     return arb(fmpq(*float(x).as_integer_ratio()))
 
 
 @cache
-def rule() -> list[tuple[Any, Any]]:
+def rule():
     """Return nodes and weights of Clenshaw and Curtis on (0, 1): with the ends, so that no kink hides next to them."""
     pairs = []
     for k in range(NODES + 1):
@@ -365,12 +341,12 @@ def rule() -> list[tuple[Any, Any]]:
     return pairs
 
 
-def panel(along: Any, a: Any, b: Any) -> Any:
+def panel(along, a, b):
     """Return the rule on one panel."""
     return (b - a) * sum((weight * along(a + (b - a) * node) for node, weight in rule()), arb(0))
 
 
-def integrated(along: Any, low: Any, high: Any, whole: Any, allowed: float) -> Any:
+def integrated(along, low, high, whole, allowed):
     """Return an integral by halving until nothing changes."""
     middle = (low + high) / 2
     halves = panel(along, low, middle), panel(along, middle, high)
@@ -380,7 +356,7 @@ def integrated(along: Any, low: Any, high: Any, whole: Any, allowed: float) -> A
     return first + integrated(along, middle, high, halves[1], allowed)
 
 
-def reference(design: Any, branch: int, area: bool = False) -> Any:
+def reference(design, branch, area=False):
     """Return length or area of an assembly mode; None where it does not assemble or is not closed.
 
     The circles about A and D meet in B, P turns with AB, and the velocities of the loop are solved for theta2'. With
@@ -398,7 +374,7 @@ def reference(design: Any, branch: int, area: bool = False) -> Any:
         low, high = (outer if toggles[0] else arb(-1)), (inner if toggles[1] else arb(1))
         side = 1 if branch == 2 else -1
 
-        def along(s: Any, sign: int) -> Any:
+        def along(s, sign):
             t = [(high - low).sqrt() * root for root in ((s / 2).sin(), (s / 2).cos())]
             c = low + t[0] * t[0]
             other = (1 + c if toggles[0] else c - outer), (1 - c if toggles[1] else inner - c)
@@ -439,12 +415,12 @@ def reference(design: Any, branch: int, area: bool = False) -> Any:
 PROMISED = 1e-12
 
 
-def miss(value: Any, true: Any) -> float:
+def miss(value, true):
     """Return the distance of a double from a number of 40 digits; its subtraction by pairs of doubles."""
     return abs(float((true - exact(float(value))).mid()))
 
 
-def near_cusp(design: list[float], branch: int, angle: float, gap: float) -> list[float] | None:
+def near_cusp(design, branch, angle, gap):
     """Return the design with P at a gap from the pole of the coupler, which rests at that angle."""
     ends = evaluate(["theta2"], design_of(*design), np.array([-1e-6, 0.0, 1e-6]) + angle, branch)["theta2"]
     if not np.isfinite(ends).all():
@@ -454,7 +430,7 @@ def near_cusp(design: list[float], branch: int, angle: float, gap: float) -> lis
     return [*design, pole.real, pole.imag]
 
 
-def designs(seed: int, count: int) -> Any:
+def designs(seed, count):
     """Yield designs and branches: anywhere, next to change points, next to cusps and at them up to 1e-9."""
     rng = np.random.default_rng(seed)
     while count:
@@ -476,32 +452,28 @@ def designs(seed: int, count: int) -> Any:
             yield list(map(float, one)), branch
 
 
-def check(design: list[float], branch: int) -> None:
-    length, bound = curve_length(design_of(*design), branch=branch, error=True)
-    true = reference(design, branch)
-    if true is None:
-        assert np.isnan(length)
-        assert np.isnan(bound)
-        return
-    assert miss(length, true) <= bound, (design, branch)
-    assert bound <= PROMISED * length, (design, branch)
-    area, bound = curve_area(design_of(*design), branch=branch, error=True)
-    true = reference(design, branch, area=True)
-    if true is None:
-        assert np.isnan(area)
-        return
-    # |r x dr| is below |r| |dr|: a bound of the swept area, of which the error is a part.
-    reach = design[0] + np.hypot(*design[4:])
-    assert miss(area, true) <= bound <= PROMISED * 0.5 * reach * length, (design, branch)
-
-
 @pytest.mark.parametrize("count", [12, pytest.param(1500, marks=pytest.mark.stress)])
 def test_lengths_and_areas_lie_within_their_bounds(count):
     for design, branch in designs(61, count):
-        check(design, branch)
+        length, bound = curve_length(design_of(*design), branch=branch, error=True)
+        true = reference(design, branch)
+        if true is None:
+            assert np.isnan(length)
+            assert np.isnan(bound)
+            continue
+        assert miss(length, true) <= bound, (design, branch)
+        assert bound <= PROMISED * length, (design, branch)
+        area, bound = curve_area(design_of(*design), branch=branch, error=True)
+        true = reference(design, branch, area=True)
+        if true is None:
+            assert np.isnan(area)
+            continue
+        # |r x dr| is below |r| |dr|: a bound of the swept area, of which the error is a part.
+        reach = design[0] + np.hypot(*design[4:])
+        assert miss(area, true) <= bound <= PROMISED * 0.5 * reach * length, (design, branch)
 
 
-def angle_of(a: float, b: float, opposite: Any) -> Any:
+def angle_of(a, b, opposite):
     """Return an angle of a triangle by the law of cosines."""
     return np.arccos((a * a + b * b - opposite * opposite) / (2.0 * a * b))
 
@@ -527,7 +499,7 @@ def test_circles_and_arcs_have_closed_forms():
     assert abs(area - np.pi * 0.25) <= bound <= PROMISED * area
 
 
-def test_lengths_of_any_size():
+def test_lengths_of_any_size_of_single_positions_and_of_none():
     design = np.array([0.4, 1.2, 0.8, 1.0, 0.7, 0.5])
     length, bound = curve_length(design_of(*design), branch=2, error=True)
     for exponent in (-75, -30, 30, 75):
@@ -537,19 +509,13 @@ def test_lengths_of_any_size():
     for lengths in ((1e-24, 1.2, 0.8, 1.0), (1.0, 1.2, 0.8, 1e-24), (1.0, 1.2, 1e-24, 1.0)):
         got, bound = curve_length(design_of(*lengths, 0.7, 0.5), branch=2, error=True)
         assert 0.0 < bound <= PROMISED * got, lengths
-
-
-def test_single_positions_and_none():
     length, bound = curve_length(design_of(1.0, 1.0, 1.0, [3.0, 3.1], 0.3, 0.2), error=True)
     assert length[0] == bound[0] == 0.0  # stretched: it cannot move
     assert np.isnan([length[1], bound[1]]).all()
-
-
-def test_the_error_is_given_if_it_is_asked_for():
     design = dict(zip(CURVE, (0.4, 1.2, 0.8, 1.0, 0.7, 0.5), strict=True))
     length, bound = curve_length(design, branch=[1, 2], error=True)
     assert length.shape == bound.shape == (2,)
-    np.testing.assert_array_equal(curve_length(design, branch=[1, 2]), length)
+    assert_array_equal(curve_length(design, branch=[1, 2]), length)
     for function in (fl.planar.curve_length, fl.planar.curve_area):
         with refused("error", "True or False"):
             function(design, error="yes")

@@ -3,7 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.focal_configurations import random_designs
 from tests.support.refusals import refused
 
@@ -62,12 +62,10 @@ def test_every_conic_touches_all_four_lines(figure, t):
     assert np.isin(conic.kind, (0, 1)).all()
     assert_touches(figure, conic)
     middle = 0.5 * ((1 - t) * (figure["M"] + figure["B"]) + t * (figure["A"] + figure["N"]))
-    np.testing.assert_allclose(
-        conic.centre_x + 1j * conic.centre_y, middle, rtol=0, atol=1e-13 * (1 + abs(t))
-    )
+    assert_allclose(conic.centre_x + 1j * conic.centre_y, middle, rtol=0, atol=1e-13 * (1 + abs(t)))
     half = np.hypot(conic.x1 - conic.x2, conic.y1 - conic.y2) / 2
     signed = np.where(conic.kind == 0, 1.0, -1.0) * conic.minor**2
-    np.testing.assert_allclose(conic.major**2, half**2 + signed, rtol=0, atol=1e-12 * (1 + abs(t)) ** 2)
+    assert_allclose(conic.major**2, half**2 + signed, rtol=0, atol=1e-12 * (1 + abs(t)) ** 2)
 
 
 @pytest.mark.parametrize("t", [-0.4, 0.2, 0.5, 1.7])

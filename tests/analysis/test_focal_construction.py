@@ -4,6 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.focal_configurations import random_designs
 from tests.support.refusals import refused
 
@@ -32,7 +33,7 @@ def known():
 def test_from_the_F_of_a_mechanism_it_finds_that_mechanism(known, by):
     made = fl.focal.from_point(*(known[name] for name in POSITION), x=known["F_x"], y=known["F_y"], by=by)
     if by == "rho":
-        np.testing.assert_array_equal(made.design["completion"], known["completion"])
+        assert_array_equal(made.design["completion"], known["completion"])
     expected = {
         "rho": known["rho"],
         "s": known["d"] * known["rho"] / (1 + known["rho"]),
@@ -128,9 +129,6 @@ def test_lengths_may_be_as_unlike_as_each_may_be(name):
         getattr(fl.focal, name)(1e-12, 1e13, 1e13, 1e13, 0.5, **further)
 
 
-# -- the best point -------------------------------------------------------------------------------------------------
-
-
 def test_no_support_and_no_completion_has_a_greater_least_angle():
     rng = np.random.default_rng(5)
     a, b, c, d = rng.uniform(0.3, 3.0, (4, 60))
@@ -169,16 +167,18 @@ def test_limits_are_two_numbers_in_order(between):
         fl.focal.best_point(4.0, 5.0, 2.0, 4.0, 1.2, between=between)
 
 
-def test_the_ratio_that_the_design_is_given_by_is_one_of_three():
+def test_a_design_is_given_by_one_ratio_of_three():
     for function in (
         fl.focal.best_point,
         lambda *position, by: fl.focal.from_point(*position, x=1.0, y=1.0, by=by),
     ):
         with refused("by", "did you mean 'lambda_'"):
             function(4.0, 5.0, 2.0, 4.0, 1.2, by="lambda")
-
-
-# -- the five-bar -----------------------------------------------------------------------------------------------------
+    bars = {"a": 1.2, "b": 0.9, "c": 0.5, "d": 1.1}
+    with refused("held_at_AB", "give one of them"):
+        fl.focal.held_at_AB(bars)
+    with refused("held_at_AB", "leave one of them out"):
+        fl.focal.held_at_AB(bars, rho=1.0, s=0.4)
 
 
 def test_the_five_bar_keeps_its_bars_and_its_angle():
@@ -219,10 +219,8 @@ def test_with_hart_s_condition_it_is_the_focal_mechanism(known):
     # FQ and QN are not in line, so Q is off by the roundings of F over the sine of their angle
     for name in ("F_x", "F_y", "Q_x", "Q_y"):
         assert (np.abs(at[name] - found[name])[straight] <= 1e-12).all(), name
-    np.testing.assert_allclose(
-        at["angle_FQN"][straight], found["transmission_angle_Q"][straight], rtol=0, atol=1e-11
-    )
-    np.testing.assert_allclose(
+    assert_allclose(at["angle_FQN"][straight], found["transmission_angle_Q"][straight], rtol=0, atol=1e-11)
+    assert_allclose(
         np.cos(at["angle_FQN"][straight]), -np.cos(found["omega_angle"][straight]), rtol=0, atol=1e-11
     )
 
@@ -233,7 +231,7 @@ def test_the_four_bar_of_a_five_bar_is_that_of_2_6(known):
     found = fl.evaluate("focal", names, **given)
     m, n, p, q, s, lambda_ = (found[name] for name in names)
     made = fl.focal.from_five_bar(m, n, p, q, known["d"])
-    np.testing.assert_array_equal(made["completion"], known["completion"])
+    assert_array_equal(made["completion"], known["completion"])
     for name in ("a", "b", "c", "rho"):
         # c^2 is a difference of products; lambda m of lambda near 0 is a sum of 1 and -1
         steep = (1.0 + np.abs(lambda_ - 1.0)) / np.abs(lambda_)
@@ -249,17 +247,11 @@ def test_the_four_bar_of_a_five_bar_is_that_of_2_6(known):
     sure = np.abs(total) > 0.1 * (np.abs(m * p) + np.abs(n * q))
     assert (np.abs(again["s"] - m * p * known["d"] / total)[sure] <= 1e-11 * (1 + np.abs(s[sure]))).all()
     assert np.median(np.abs(again["r"] ** 2 / (squared / total**2) - 1.0)[sure]) <= 1e-14
-
-
-def test_a_hart_linkage_is_the_five_bar_of_7_2():
     m, n, d, kappa = 4.0, 8.0, 6.0, 0.5
     made = fl.focal.from_five_bar(m, n, kappa * n, -kappa * m, d)
     assert {name: float(value) for name, value in made.items() if name != "completion"} == {
         "a": 3.0, "b": 6.0, "c": 3.0, "d": 6.0, "rho": -1.0,
     }  # fmt: skip
-
-
-# -- AB held fixed ----------------------------------------------------------------------------------------------------
 
 
 def test_held_at_AB_it_is_a_focal_mechanism_that_moves_as_seen_from_AB(known):
@@ -278,7 +270,7 @@ def test_held_at_AB_it_is_a_focal_mechanism_that_moves_as_seen_from_AB(known):
         **held,
         **position,
     )
-    np.testing.assert_allclose(other["T_ratio"], found["T_ratio"], rtol=1e-13)
+    assert_allclose(other["T_ratio"], found["T_ratio"], rtol=1e-13)
     # next to a toggle of the other one, where N, M, A fall in line, its B is off by the root of a rounding
     sure = (
         np.isfinite(other["B_x"])
@@ -301,14 +293,6 @@ def test_held_twice_it_is_itself(by):
         assert abs(twice[name] - value) <= 8 * UNIT_ROUNDING
 
 
-def test_a_design_without_one_ratio_is_refused():
-    bars = {"a": 1.2, "b": 0.9, "c": 0.5, "d": 1.1}
-    with refused("held_at_AB", "give one of them"):
-        fl.focal.held_at_AB(bars)
-    with refused("held_at_AB", "leave one of them out"):
-        fl.focal.held_at_AB(bars, rho=1.0, s=0.4)
-
-
 def test_a_hart_linkage_held_at_AB_is_one_that_moves_as_seen_from_AB():
     rng = np.random.default_rng(9)
     n = 2000
@@ -321,7 +305,7 @@ def test_a_hart_linkage_held_at_AB_is_one_that_moves_as_seen_from_AB():
     closes = np.isfinite(found["F_y"])
     assert closes.sum() > 500
     given, found = ({name: np.asarray(one)[closes] for name, one in of.items()} for of in (given, found))
-    np.testing.assert_array_equal(found["F_along_AB"], found["line_along_AB"])
+    assert_array_equal(found["F_along_AB"], found["line_along_AB"])
     held = fl.hart.held_at_AB({name: given[name] for name in ("m", "n", "d", "kappa")})
     line = fl.evaluate("hart", ["line_x"], **held, phi=0.0)["line_x"]
     # the terms of (7.5) with the rounded inputs of the other linkage

@@ -109,20 +109,14 @@ def test_it_passes_all_real_points():
                     assert np.abs(arcs - point).min() < 0.1 * (1.0 + abs(point))
 
 
-def test_a_folded_four_bar_has_its_line_and_a_circle():
+def test_folded_four_bars_and_parallelograms_have_their_cubics_and_what_does_not_assemble_none():
     k = fl.focal.cubic(1.0, 2.0, 1.5, 1.5, 0.0)  # A = (1, 0), B = (-0.5, 0) by AB = 1.5, NB = 2
     assert np.abs(k[:, 0]).max() <= 10 * UNIT_ROUNDING
     assert np.isfinite(fl.focal.cubic_points(1.0, 2.0, 1.5, 1.5, 0.0)).any()
-
-
-def test_a_parallelogram_has_a_conic():
     k = fl.focal.cubic(1.0, 1.0, 2.0, 2.0, 1.0, branch=2)
     assert np.abs(k[[3, 1, 2, 0], [0, 2, 1, 3]]).max() <= 10 * UNIT_ROUNDING
     assert_on(k[None, None], (lambda p: p[None, :, 0] + 1j * p[None, :, 1])(
         fl.focal.cubic_points(1.0, 1.0, 2.0, 2.0, 1.0, branch=2)))  # fmt: skip
-
-
-def test_where_the_four_bar_does_not_assemble_there_is_none():
     assert np.isnan(fl.focal.cubic(1.0, 1.0, 0.1, 5.0, 0.0)).all()
     assert np.isnan(fl.focal.cubic_points(1.0, 1.0, 0.1, 5.0, 0.0)).all()
 

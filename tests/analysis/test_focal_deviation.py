@@ -61,19 +61,7 @@ def test_it_is_exact_for_the_places_of_T(drive):
         assert max(errors) <= bound
 
 
-def test_maps_without_the_path_of_T_are_refused():
-    space = fl.grid(**CHEBYSHEV)
-    with refused("T_y", "sweep 'T_x' and 'T_y'"):
-        fl.focal.T_deviation(sweep_both("focal", space, ["T_x"], phi=12))
-    points = xr.Dataset({"T_x": ("design", [1.0]), "T_y": ("design", [1.0])})
-    with refused("T_x", "sweep it over phi or sigma"):
-        fl.focal.T_deviation(points)
-    for thing in (None, 3, points.T_x):
-        with refused("maps", "give"):
-            fl.focal.T_deviation(thing)
-
-
-def test_a_path_and_any_order_of_dimensions(tmp_path):
+def test_paths_of_any_order_are_read_and_maps_without_that_of_T_refused(tmp_path):
     space = fl.grid(**CHEBYSHEV)
     sweep_both("focal", space, ["T_x", "T_y"], phi=12, to=tmp_path / "maps.h5", verify=0).close()
     with fl.open(tmp_path / "maps.h5") as maps:
@@ -84,3 +72,11 @@ def test_a_path_and_any_order_of_dimensions(tmp_path):
     xr.testing.assert_identical(fl.focal.T_deviation(tmp_path / "maps.h5"), expected)
     with refused("mm", "same units"):
         fl.focal.T_deviation(changed)
+    with refused("T_y", "sweep 'T_x' and 'T_y'"):
+        fl.focal.T_deviation(sweep_both("focal", space, ["T_x"], phi=12))
+    points = xr.Dataset({"T_x": ("design", [1.0]), "T_y": ("design", [1.0])})
+    with refused("T_x", "sweep it over phi or sigma"):
+        fl.focal.T_deviation(points)
+    for thing in (None, 3, points.T_x):
+        with refused("maps", "give"):
+            fl.focal.T_deviation(thing)

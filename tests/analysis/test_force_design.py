@@ -2,20 +2,17 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import selected_variants
 
 HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-BARS = fl.round_bar(7750.0, 0.01)
-
-
-# -- balancing ----------------------------------------------------------------------------------------------
 
 
 def test_force_balance_leaves_no_shaking_force():
@@ -67,33 +64,22 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
         fl.planar.force_balance(design)
 
 
-# -- over the cycle -----------------------------------------------------------------------------------------
-
-
-def test_the_flywheel_takes_up_the_fluctuation():
+def test_the_flywheel_takes_up_the_fluctuation_also_of_a_map_in_a_file(tmp_path):
     maps = sweep_4r(fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
     inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
     assert inertia.dims == maps.T41_fluctuation.dims
     assert inertia.attrs["units"] == "kg m2"
     # Torques grow with the square of the speed: the flywheel is the same, to some roundings of the torques (1e-13).
-    np.testing.assert_allclose(inertia.sel(omega1=5.0), inertia.sel(omega1=25.0), rtol=1e-11)
-    np.testing.assert_array_equal(
-        inertia.sel(omega1=5.0), maps.T41_fluctuation.sel(omega1=5.0) / (0.02 * 25.0)
-    )
-
-
-def test_the_flywheel_of_a_map_in_a_file(tmp_path):
+    assert_allclose(inertia.sel(omega1=5.0), inertia.sel(omega1=25.0), rtol=1e-11)
+    assert_array_equal(inertia.sel(omega1=5.0), maps.T41_fluctuation.sel(omega1=5.0) / (0.02 * 25.0))
     crank = fl.grid(r=0.1, l=0.4, e=0.0, omega=[5.0, 25.0], m3=1.0)
     maps = sweep_both("slider_crank", crank, ["T41_fluctuation"], links=BARS, to=tmp_path / "m.h5", verify=0)
     expected = fl.planar.flywheel_inertia(maps, C_s=0.02)
     maps.close()
-    np.testing.assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)
+    assert_array_equal(fl.planar.flywheel_inertia(tmp_path / "m.h5", C_s=0.02), expected)
     converted = maps.assign_coords(omega=maps.omega.assign_attrs(units="rpm"))
     with pytest.raises(fl.InputError, match=r"omega.*rpm.*; give the map as it was"):
         fl.planar.flywheel_inertia(converted, C_s=0.02)
-
-
-# -- Table 3 ------------------------------------------------------------------------------------------------
 
 
 def test_table_3_as_it_follows_from_table_1():

@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import all_loads, family
 from tests.support.refusals import refused
+from tests.support.sweeps import BARS
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.planar import SYSTEM
 
 TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-BARS = fl.round_bar(7750.0, 0.01)
 
 
 @pytest.mark.parametrize("loaded", [False, True], ids=["no loads", "all loads"])
@@ -55,7 +56,7 @@ def test_the_matrix_is_the_printed_one():
             expected[3 * i - 3, x] = expected[3 * i - 2, y] = sign
             expected[3 * i - 1, x], expected[3 * i - 1, y] = -sign * r.imag, sign * r.real
     expected[2, column["T41"]] = 1.0
-    np.testing.assert_allclose(found.A, expected, rtol=0, atol=8 * UNIT_ROUNDING)  # lengths of about 1
+    assert_allclose(found.A, expected, rtol=0, atol=8 * UNIT_ROUNDING)  # lengths of about 1
 
 
 def test_labels_of_the_inputs_are_those_of_the_equations():
@@ -63,7 +64,7 @@ def test_labels_of_the_inputs_are_those_of_the_equations():
     found = fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=theta1, links=BARS)
     assert found.A.dims == ("theta1", "equation", "unknown")
     one = fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=1.0, links=BARS)
-    np.testing.assert_array_equal(found.sel(theta1=1.0).A, one.A)
+    assert_array_equal(found.sel(theta1=1.0).A, one.A)
     assert float(one.b.sel(equation="inertia_moment1")) == 0.0
 
 
@@ -136,19 +137,11 @@ def test_extremes_of_rates_follow_from_the_equation_of_the_pair(pair, lengths):
     for name, curve in zip(("omega", "alpha"), by_the_equation(pair, lengths, 25.0), strict=True):
         extremes = found[f"joint_{name}_{j}_extrema"]
         # half a step of 1.6e-4 from the extreme, a curve of second derivative 100 times its size at most is 3e-7 lower
-        np.testing.assert_allclose(
-            [extremes.max(), extremes.min()], [np.nanmax(curve), np.nanmin(curve)], rtol=1e-6
-        )
+        assert_allclose([extremes.max(), extremes.min()], [np.nanmax(curve), np.nanmin(curve)], rtol=1e-6)
         assert f"joint_angle_{i}_at_joint_{name}_{j}_extrema" in found
 
 
-def test_pairs_of_the_paper_alone_have_rates():
-    for pair in ("11", "15", 14, None):
-        with refused("pair", "12, 13, 14"):
-            fl.planar.rate_extrema(TABLE_1, pair=pair, branch=(1, 2))
-
-
-def test_the_rate_of_the_crank_may_have_its_usual_name():
+def test_the_crank_s_rate_may_have_its_usual_name_and_other_pairs_have_none():
     lengths = {"a1": 0.4, "a2": [1.1, 1.2], "a3": 0.8, "a4": 1.0}
     usual = [lengths | {"omega1": [25.0, 30.0]}, fl.grid(**lengths, omega1=[25.0, 30.0])]
     other = [lengths | {"joint_omega_1": [25.0, 30.0]}, fl.grid(**lengths, joint_omega_1=[25.0, 30.0])]
@@ -159,3 +152,6 @@ def test_the_rate_of_the_crank_may_have_its_usual_name():
         )
     with refused("omega1", "joint_omega_2"):
         fl.planar.rate_extrema(usual[0], pair="23", branch=(1, 2))
+    for pair in ("11", "15", 14, None):
+        with refused("pair", "12, 13, 14"):
+            fl.planar.rate_extrema(TABLE_1, pair=pair, branch=(1, 2))

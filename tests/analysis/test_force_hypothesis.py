@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r
 
@@ -69,8 +70,8 @@ def test_the_example_of_the_paper():
     assert abs(float(force.distance.sel(extreme="alpha4_max")) - (0.1482557001 - 0.109628)) < 1e-6
     # mode 1 is the mirror image: maxima and minima of the acceleration exchange
     mirrored = found.sel(branch=1, extreme=["omega4_max", "omega4_min", "alpha4_min", "alpha4_max"])
-    np.testing.assert_allclose(mirrored.ratio, found.ratio.sel(branch=2), rtol=1e-12)
-    np.testing.assert_allclose(mirrored.distance, found.distance.sel(branch=2), atol=1e-12)
+    assert_allclose(mirrored.ratio, found.ratio.sel(branch=2), rtol=1e-12)
+    assert_allclose(mirrored.distance, found.distance.sel(branch=2), atol=1e-12)
 
 
 def test_the_answers_of_the_documentation(maps):
@@ -177,8 +178,5 @@ def test_refusals(maps):
     with refused("theta1_at_F41_max", "before it was converted"):
         place = maps[["theta1_at_F41_max"]].fastlink.degrees()
         fl.planar.force_hypothesis(maps.assign(place.data_vars))
-
-
-def test_options_are_those_of_designs(maps):
     with refused("force_hypothesis: links", "leave it out"):
         fl.planar.force_hypothesis(maps, links=fl.round_bar(density=7750.0, radius=0.01), branch=(1, 2))

@@ -6,6 +6,7 @@ from math import gcd
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_both
 
@@ -51,6 +52,11 @@ def test_small_linkages_come_first_and_larger_limits_add_at_the_end():
     assert more[: len(few)] == few
     largest = [max(map(abs, row)) for row in more]
     assert largest == sorted(largest)
+    for given in (0, 501, "8"):
+        with refused("max_size", "write a whole number from 1 to 500"):
+            fl.hart.integer_designs(given)
+    with refused("movable", "write True or False"):
+        fl.hart.integer_designs(8, movable="no")
 
 
 def test_every_linkage_is_one_of_eqs_7_2_to_7_4_and_is_listed_once_by_scale():
@@ -64,7 +70,7 @@ def test_every_linkage_is_one_of_eqs_7_2_to_7_4_and_is_listed_once_by_scale():
     assert (np.gcd.reduce([m, n, d, p, q, a, b, c]) == 1).all()
     assert ((m <= n) & (i > 0)).all()
     assert np.max(np.abs([m, n, d, p, q, a, b, c])) == 150
-    np.testing.assert_array_equal(designs.kappa, i / j)
+    assert_array_equal(designs.kappa, i / j)
 
 
 def test_a_table_of_them_is_swept():
@@ -72,17 +78,9 @@ def test_a_table_of_them_is_swept():
     maps = sweep_both("hart", fl.table(designs), ["status", *"pqabc"], threads=1)
     for name in "pqabc":
         # kappa = i/j is rounded, its square too: 4 roundings
-        np.testing.assert_allclose(maps[name], designs[name].values, rtol=8 * UNIT_ROUNDING)
+        assert_allclose(maps[name], designs[name].values, rtol=8 * UNIT_ROUNDING)
     codes = dict(zip(maps.status.flag_values, maps.status.flag_meanings.split(), strict=True))
     statuses = {codes[code] for code in np.unique(maps.status)}
     assert statuses == {"one_segment", "two_segments", "change_point", "rigid"}
     moving = fl.hart.integer_designs(12, movable=True)
     assert int((maps.status != 3).sum()) == moving.sizes["design"]
-
-
-def test_bad_options_are_refused():
-    for given in (0, 501, "8"):
-        with refused("max_size", "write a whole number from 1 to 500"):
-            fl.hart.integer_designs(given)
-    with refused("movable", "write True or False"):
-        fl.hart.integer_designs(8, movable="no")

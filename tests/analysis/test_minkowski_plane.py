@@ -10,6 +10,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -85,7 +86,7 @@ def test_products_of_double_numbers_are_exact_to_a_rounding():
 
 def test_the_sign_of_a_scalar_product_holds_where_products_leave_the_doubles():
     scalar = plane.scalar_product([[1e300, 1e-300], [3e-200, 2e-200]], [[0.0, 1.0], [3e-200, 4.5e-200]])
-    np.testing.assert_array_equal(scalar, [-1e-300, 0.0])
+    assert_array_equal(scalar, [-1e-300, 0.0])
     assert plane.scalar_product([1e200, 0.0], [1e200, 0.0]) == np.inf
 
 
@@ -98,12 +99,12 @@ def test_norms_causal_types_and_orientations():
         assert_near(plane.norm(z), [modulus(one) for one in z], 3)
     squares = [square(one) for one in z]
     signs = [(one > 0) - (one < 0) for one in squares]
-    np.testing.assert_array_equal(plane.causal_type(z), signs)
+    assert_array_equal(plane.causal_type(z), signs)
     ahead = [
         0 if sign == 0 else np.sign(one[0] if sign > 0 else one[1])
         for sign, one in zip(signs, z, strict=True)
     ]
-    np.testing.assert_array_equal(plane.orientation(z), ahead)
+    assert_array_equal(plane.orientation(z), ahead)
     assert set(signs) == {-1, 0, 1}
     assert plane.causal_type([0.0, 0.0]) == 0.0
 
@@ -154,8 +155,8 @@ def test_rapidities_and_polar_coordinates():
         assert_near(points[:, 1], [2 * mp.sinh(mp.mpf(t)) for t in phi], 7)
         far = plane.polar([1e-300, 1e300, 0.0], [1000.0, -1000.0, 1e9])
         assert_near(far[0], [mp.exp(1000) / 2 * mp.mpf(1e-300)] * 2, 7)
-    np.testing.assert_array_equal(far[1:], [[np.inf, -np.inf], [0.0, 0.0]])
-    np.testing.assert_array_equal(plane.multiply(plane.polar(1.0, 1.5), plane.polar(1.0, -1.5))[1], 0.0)
+    assert_array_equal(far[1:], [[np.inf, -np.inf], [0.0, 0.0]])
+    assert_array_equal(plane.multiply(plane.polar(1.0, 1.5), plane.polar(1.0, -1.5))[1], 0.0)
 
 
 def test_motions_are_a_group_that_keeps_what_the_plane_measures():
@@ -164,9 +165,7 @@ def test_motions_are_a_group_that_keeps_what_the_plane_measures():
     z, w = vectors(10), vectors(11)
     one, other = plane.motion(t, a, b), plane.motion(0.5 * t, b, -a)
     # A(s) A(t) = A(s + t), entries of at most e^4.5, each a sum of two products of roundings of 2 units.
-    np.testing.assert_allclose(
-        plane.boost(t) @ plane.boost(0.5 * t), plane.boost(1.5 * t), atol=6e-16 * 2 * np.exp(4.5)
-    )
+    assert_allclose(plane.boost(t) @ plane.boost(0.5 * t), plane.boost(1.5 * t), atol=6e-16 * 2 * np.exp(4.5))
     both = (one @ other @ np.append(z, np.ones((N, 1)), axis=1)[..., None])[..., :2, 0]
     twice = plane.moved(plane.moved(z, 0.5 * t, b, -a), t, a, b)
     sizes = (abs(z).sum(axis=1) + 6.0) * np.exp(1.5 * abs(t))
@@ -194,11 +193,8 @@ def test_points_are_moved_with_the_digits_of_both_null_coordinates():
                 for f, v in zip(map(float, found[k]), true, strict=True)
             )
     # Lightlike vectors stay so at any angle.
-    np.testing.assert_array_equal(plane.moved([1.0, -1.0], 1000.0), [0.0, 0.0])
-    np.testing.assert_array_equal(plane.moved([1e-300, 1e-300], 800.0), plane.polar(1e-300, 800.0) * 2.0)
-
-
-# -- triangles ---------------------------------------------------------------------------------------------------
+    assert_array_equal(plane.moved([1.0, -1.0], 1000.0), [0.0, 0.0])
+    assert_array_equal(plane.moved([1e-300, 1e-300], 800.0), plane.polar(1e-300, 800.0) * 2.0)
 
 
 def pure_triangles(seed, n=N):
@@ -298,7 +294,7 @@ def test_sides_and_angles_by_the_cosine_rule():
     assert plane.cosine_rule_angle(5.0, 3.0, 2.0) == 0.0
     assert np.isnan(plane.cosine_rule_angle(5.0, 3.0, 2.0 + 2.0**-51))
     for scale in (2.0**-900, 2.0**900):
-        np.testing.assert_array_equal(plane.cosine_rule(scale * a, scale * b, angle), scale * c)
+        assert_array_equal(plane.cosine_rule(scale * a, scale * b, angle), scale * c)
 
 
 @pytest.mark.parametrize("mirror", [False, True])
@@ -339,14 +335,11 @@ def test_the_ground_link_is_at_least_as_long_as_the_others_together():
     assert np.isnan(plane.quadrilateral_excess(O, B, A, C)).all()
 
 
-# -- what is read ------------------------------------------------------------------------------------------------
-
-
 def test_vectors_broadcast_and_gaps_stay():
     z = np.array([[5.0, 3.0], [np.nan, 1.0], [3.0, 5.0]])
-    np.testing.assert_array_equal(plane.norm(z), [4.0, np.nan, 4.0])
-    np.testing.assert_array_equal(plane.causal_type(z), [1.0, np.nan, -1.0])
-    np.testing.assert_array_equal(plane.orientation(z), [1.0, np.nan, 1.0])
+    assert_array_equal(plane.norm(z), [4.0, np.nan, 4.0])
+    assert_array_equal(plane.causal_type(z), [1.0, np.nan, -1.0])
+    assert_array_equal(plane.orientation(z), [1.0, np.nan, 1.0])
     assert plane.scalar_product(z[:, None], z).shape == (3, 3)
     assert plane.moved(z, np.zeros((4, 1))).shape == (4, 3, 2)
     assert plane.motion([0.0, 1.0], a=np.ones((3, 1))).shape == (3, 2, 3, 3)
@@ -354,9 +347,9 @@ def test_vectors_broadcast_and_gaps_stay():
     assert plane.norm(np.ones((0, 2))).shape == (0,)
     assert isinstance(plane.norm([5, 3]), float)
     masked = np.ma.masked_array(z, [[False, False], [True, False], [False, False]])
-    np.testing.assert_array_equal(plane.norm(masked), plane.norm(z))
+    assert_array_equal(plane.norm(masked), plane.norm(z))
     by_name = plane.scalar_product(xr.DataArray(z[:2], dims=("k", "xy")), xr.DataArray(z, dims=("m", "xy")))
-    np.testing.assert_array_equal(by_name, plane.scalar_product(z[:2, None], z))
+    assert_array_equal(by_name, plane.scalar_product(z[:2, None], z))
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,5 @@
 """What a study computes and leaves out, as `fastlink explain` tells it."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil
@@ -15,7 +13,7 @@ import numpy as np
 import pytest
 from tests.support.refusals import refused
 from tests.support.study_files import GOOD, written
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -33,7 +31,6 @@ from fastlink.facts.formula import Formula
 from fastlink.mechanisms import catalogue
 
 explain_module = sys.modules["fastlink.app.explain"]
-ROUND_BAR = fl.round_bar(density=7750.0, radius=0.01)
 LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 
 
@@ -98,49 +95,46 @@ def test_operations_of_a_design_are_those_that_its_facts_do(name, monkeypatch):
         assert loop.work[kind] == Tally.done[kind], kind
 
 
-def test_a_map_of_designs_touches_no_angle():
+def test_a_map_of_designs_touches_no_angle_and_refined_extremes_tell_samples_and_places():
     found = asked(["grashof_class", "swing"])
     assert found.tables == ()
     assert [loop.per for kernel in found.kernels for loop in kernel.loops] == ["design"]
     assert {"omega4", "shaking_force", "theta4"} < set(found.left_out)
     assert not {"grashof_class", "swing", "status"} & set(found.left_out)
-
-
-def test_loads_and_stores_of_a_configuration():
-    found = asked(["A_x", "A_y"])
-    loops = {loop.per: loop.work for kernel in found.kernels for loop in kernel.loops}
-    # A = a1 (cos, sin): two tables and one length read, two results for each of two modes written
-    assert loops["design and theta1"]["*"] == 2
-    assert loops["design and theta1"]["stores"] == 4
-
-
-def test_a_larger_request_never_does_less():
-    small, large = asked(["omega4_max"], omega1=9.0), asked(["omega4_max", "alpha4_max"], omega1=9.0)
-    (first,), (second,) = ([loop for loop in e.kernels[0].loops if "and" in loop.per] for e in (small, large))
-    assert all(second.work[kind] >= first.work[kind] for kind in first.work)
-    assert second.work["*"] > first.work["*"]
-    assert set(small.kernels[0].facts) < set(large.kernels[0].facts)
-
-
-def test_an_axis_that_scales_is_named():
-    found = asked(["omega4_max"], omega1=[1.0, 2.0, 3.0])
-    assert found.scaling_axis == "omega1 (3 values)"
-    assert "omega1 (3 values): only scales" in str(found)
-
-
-def test_refined_extremes_tell_samples_and_places():
     found = explain_request(
         resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0), ["omega4_max"], branch=(1, 2))
     )
     pers = [loop.per for kernel in found.kernels for loop in kernel.loops]
     assert {"design", "design and sample", "place", "extreme"} <= set(pers)
+    space = fl.grid(a=1.0, b=1.1, g=0.9, h=0.8)
+    found = explain_request(
+        resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600), branch=(1, 2))
+    )
+    assert "for piece in" in found.kernels[-1].source.text
+    assert [loop.per for loop in found.kernels[-1].loops] == ["design", "design and theta"]
+
+
+def test_loads_and_stores_are_counted_and_a_larger_request_never_does_less():
+    found = asked(["A_x", "A_y"])
+    loops = {loop.per: loop.work for kernel in found.kernels for loop in kernel.loops}
+    # A = a1 (cos, sin): two tables and one length read, two results for each of two modes written
+    assert loops["design and theta1"]["*"] == 2
+    assert loops["design and theta1"]["stores"] == 4
+    small, large = asked(["omega4_max"], omega1=9.0), asked(["omega4_max", "alpha4_max"], omega1=9.0)
+    (first,), (second,) = ([loop for loop in e.kernels[0].loops if "and" in loop.per] for e in (small, large))
+    assert all(second.work[kind] >= first.work[kind] for kind in first.work)
+    assert second.work["*"] > first.work["*"]
+    assert set(small.kernels[0].facts) < set(large.kernels[0].facts)
+    found = asked(["omega4_max"], omega1=[1.0, 2.0, 3.0])
+    assert found.scaling_axis == "omega1 (3 values)"
+    assert "omega1 (3 values): only scales" in str(found)
 
 
 def test_a_search_is_told_by_what_is_searched():
     """Steps and extremes of each quantity, samples of all, with what is told by both sides of the range."""
     names = ["omega4_max", "T41_extrema"]
     space = fl.grid(**LENGTHS, omega1=9.0, gravity_y=-9.81)  # gravity makes the sides unlike
-    found = explain_request(resolve("planar_4r", space, names, links=ROUND_BAR, branch=(1, 2)))
+    found = explain_request(resolve("planar_4r", space, names, links=BARS, branch=(1, 2)))
     loops = {(loop.per, loop.times): loop.work for kernel in found.kernels for loop in kernel.loops}
     for quantity in ("omega4", "T41"):
         step = loops["place", f"each step of the search of {quantity}"]
@@ -155,19 +149,10 @@ def test_a_search_is_told_by_what_is_searched():
     assert "not counted" not in asked(["omega4_max"], omega1=9.0).text(kernels=True)
     assert "kernel 1" not in str(found)  # the answer alone
     loaded = resolve(
-        "planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=ROUND_BAR, branch=(1, 2)
+        "planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=BARS, branch=(1, 2)
     )
     text = explain_request(loaded).text(kernels=True)
     assert "every extreme of T41; cells split at the zeros of omega4\n" in text
-
-
-def test_curves_in_pieces_are_of_designs_and_positions():
-    space = fl.grid(a=1.0, b=1.1, g=0.9, h=0.8)
-    found = explain_request(
-        resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600), branch=(1, 2))
-    )
-    assert "for piece in" in found.kernels[-1].source.text
-    assert [loop.per for loop in found.kernels[-1].loops] == ["design", "design and theta"]
 
 
 @pytest.fixture
@@ -205,16 +190,13 @@ def test_a_kernel_that_numba_compiles_has_no_llvm_of_ours(study, monkeypatch):
     assert "compiled by numba, for the translator refuses it: kernel, line 3" in found
 
 
-def test_the_command(study):
+def test_the_command_and_every_option_of_a_sweep_explain(study):
     brief = CliRunner().invoke(app, ["explain", str(study)])
     assert brief.exit_code == 0
     assert "asked for: omega4, status" in brief.output
     assert "def kernel(" not in brief.output
     long = CliRunner().invoke(app, ["explain", str(study), "--text"])
     assert "def kernel(" in long.output
-
-
-def test_every_option_of_a_sweep_is_one_of_an_explanation():
     request = "planar_4r", fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0), ["theta4"]
     assert fl.explain(*request, part=(1, 2), measure=False).results == ("theta4", "status")
     with pytest.raises(fl.InputError, match="part is 1/3, but there are 2 designs"):
@@ -335,15 +317,8 @@ def test_the_time_of_a_sample_is_that_of_all_designs():
 def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
     space = fl.grid(**LENGTHS, omega1=2.0)
     steel = fl.round_bar(density=7750.0, radius=0.01)
-    options = {
-        "links": steel,
-        "branch": 1,
-        "theta1": 7,
-        "threads": 1,
-        "verify": 3,
-        "overwrite": True,
-        "progress": False,
-    }
+    options = {"links": steel, "branch": 1, "theta1": 7, "threads": 1}
+    options |= {"verify": 3, "overwrite": True, "progress": False}
     options |= {"to": tmp_path / "m.h5", "attrs": {"a": 1}, "block": 8}
     found = fl.explain("planar_4r", space, ["T41"], **{"branch": (1, 2)} | options)
     assert "7 values of theta1" in found.title
@@ -388,12 +363,11 @@ def maps(path):
         return opened.load()
 
 
-def test_a_path_is_as_good_as_a_map(path, maps):
+def test_a_path_is_as_good_as_a_map_and_so_is_one_that_xarray_has_saved(path, maps, tmp_path):
     with fl.open(path) as opened:
         assert contents(path) == contents(opened)
-
-
-def test_a_bare_dataset_is_told_from_a_map(maps):
+    maps.isel(a1=[0, 1]).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
+    assert "4 of the 6" in fl.open(tmp_path / "part.nc").fastlink.summary()
     with refused("fastlink_map", "keep_attrs"):
         maps.drop_attrs().fastlink.summary()
 
@@ -435,8 +409,3 @@ HOSTILE = {
 def test_whatever_became_of_a_map_is_summarised(maps, change):
     assert change(maps).fastlink.summary()
     assert contents(change(maps)).startswith("title")
-
-
-def test_a_map_that_xarray_has_saved_is_a_map(maps, tmp_path):
-    maps.isel(a1=[0, 1]).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
-    assert "4 of the 6" in fl.open(tmp_path / "part.nc").fastlink.summary()

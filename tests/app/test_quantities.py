@@ -143,20 +143,21 @@ def test_a_row_by_name_says_what_a_sweep_gives_and_needs(name):
             )
 
 
-def test_a_row_of_an_unknown_name_is_refused():
+def test_unknown_quantities_and_words_to_find_are_refused():
     with refused("'mu'", "transmission_angle"):
         fl.quantities("planar_4r")["mu"]
+    with refused("'torque'", "find='torque'"):
+        fl.quantities("torque")
+    with refused("'planar4r'", "'planar_4r'"):
+        fl.quantities("planar4r")
 
 
-def test_quantities_are_found_by_what_they_mean():
+def test_quantities_are_found_by_what_they_mean_in_all_mechanisms():
     found = fl.quantities("planar_4r", find="torque")
     assert found[0].name == "T41"
     assert found.inputs[0].name == "T_load"
     assert "Driving torque" in str(found)
     assert fl.quantities("planar_4r", find="peak torque")[0].name == "T41_peak"
-
-
-def test_all_mechanisms_are_searched():
     found = fl.quantities(find="piston")
     assert {row.mechanism for row in found} == {"slider_crank"}
     assert found.mechanism == ""
@@ -169,13 +170,6 @@ def test_all_mechanisms_are_searched():
 def test_what_to_list_or_find_is_a_word(options):
     with refused("find" if options else "mechanism", "torque"):
         fl.quantities(**options)
-
-
-def test_a_word_in_place_of_a_mechanism_may_be_one_to_find():
-    with refused("'torque'", "find='torque'"):
-        fl.quantities("torque")
-    with refused("'planar4r'", "'planar_4r'"):
-        fl.quantities("planar4r")
 
 
 def test_the_source_of_a_quantity_is_its_formula_and_where_it_stands():

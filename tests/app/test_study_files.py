@@ -1,7 +1,4 @@
-"""The studies of the repository run, at reduced size, and their numbers are those that their comments promise.
-
-The map of crank-rockers runs at its size in test_docs.py; those of minkowski_4r in test_minkowski_studies.py.
-"""
+"""The studies of the repository run, at reduced size, and their numbers are those that their comments promise."""
 
 import json
 import os
@@ -12,7 +9,7 @@ import h5py
 import numpy as np
 import pytest
 import xarray as xr
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 from tests.support.study_files import BARE, GOOD, LENGTHS, written
 from tests.support.sweeps import sweep_4r
@@ -58,8 +55,8 @@ SHAKING = ("shaking_force_max", (2512.318, 2512.318), (TURN - 0.1096, 0.1096))
 
 def assert_tables(maps, tables, value, place):
     for name, values, places in tables:
-        np.testing.assert_allclose(maps[name], values, rtol=value, err_msg=name)
-        np.testing.assert_allclose(maps[f"theta1_at_{name}"] % TURN, places, rtol=0, atol=place, err_msg=name)
+        assert_allclose(maps[name], values, rtol=value, err_msg=name)
+        assert_allclose(maps[f"theta1_at_{name}"] % TURN, places, rtol=0, atol=place, err_msg=name)
 
 
 def test_the_example_of_the_paper_to_every_digit(folder):
@@ -76,7 +73,7 @@ def test_the_quick_return_atlas(folder):
     assert set(maps.time_ratio.dims) == {"a1", "a2", "a3"}
     cranks = maps.grashof_class.values == 0
     assert cranks.any()
-    np.testing.assert_array_equal(np.isfinite(maps.time_ratio.values), cranks)
+    assert_array_equal(np.isfinite(maps.time_ratio.values), cranks)
     assert maps.time_ratio.min() >= 1.0
     assert maps.swing.values[cranks].max() < np.pi
 
@@ -90,12 +87,12 @@ def test_the_map_of_counterweights(folder):
     options = {"links": bars, "theta1": angles, "extrema": "sampled"}
     without = sweep_4r(fl.grid(**design), ["shaking_force_max"], **options)
     # Masses of zero change no bit.
-    np.testing.assert_array_equal(force[0, 0], without.shaking_force_max)
+    assert_array_equal(force[0, 0], without.shaking_force_max)
     # The middle is the balance of Berkof and Lowen: the masses are products of a dozen roundings at most.
     weights = fl.planar.force_balance(design, links=bars, radius1=0.2, radius3=0.4)
     for i in (1, 3):
         name = f"counterweight{i}_mass"
-        np.testing.assert_allclose(maps[name][1], weights[name], rtol=16 * UNIT_ROUNDING)
+        assert_allclose(maps[name][1], weights[name], rtol=16 * UNIT_ROUNDING)
     # What is left there are roundings of some ten terms of the force that the counterweights take away.
     assert np.all(force[1, 1] <= 32 * UNIT_ROUNDING * force[0, 0])
 
@@ -158,13 +155,6 @@ file = "torque.h5"
     assert Path("torque.h5").exists()
 
 
-def test_theta1_and_branch_by_default(folder):
-    study = read_study(written(BARE + "[design]\n" + LENGTHS))
-    resolved = resolve(study.mechanism, study.space, study.quantities, **{"branch": (1, 2)} | study.options)
-    assert resolved.branches == (1, 2)
-    assert_array_equal(resolved.positions, np.arange(360) * (2 * np.pi / 360))
-
-
 @pytest.mark.parametrize("kind", ["sobol", "latin_hypercube"])
 def test_a_sample_beside_constants(folder, kind):
     text = f"{BARE}[design]\n{kind} = {{n = 8, seed = 3, a1 = [0.2, 0.4], a2 = 1.2}}\na3 = 0.8\na4 = 1.0\n"
@@ -174,19 +164,20 @@ def test_a_sample_beside_constants(folder, kind):
     assert space.constants == {"a2": 1.2, "a3": 0.8, "a4": 1.0}
 
 
-def test_a_table_is_found_beside_the_study(folder):
+def test_a_table_is_found_beside_the_study_and_a_long_study_is_kept_whole(folder):
     Path("inner").mkdir()
     Path("inner/designs.csv").write_text("a1,a2\n0.4,1.2\n0.3,1.1\n")
     text = f'{BARE}[design]\ntable = "designs.csv"\na3 = 0.8\na4 = 1.0\n'
     space = read_study(written(text, "inner/study.toml")).space
     assert_array_equal(space.columns["a2"], [1.2, 1.1])
-
-
-def test_a_long_study_is_kept_whole(folder):
     text = GOOD + "".join(f"# line {k} of a long comment\n" for k in range(5000))
     assert len(text) > 2**16
     with fl.run(written(text), to="long.h5") as maps:
         assert maps.attrs["study"] == text
+    study = read_study(written(BARE + "[design]\n" + LENGTHS))
+    resolved = resolve(study.mechanism, study.space, study.quantities, **{"branch": (1, 2)} | study.options)
+    assert resolved.branches == (1, 2)
+    assert_array_equal(resolved.positions, np.arange(360) * (2 * np.pi / 360))
 
 
 def test_the_main_study_is_as_large_as_promised():
@@ -221,20 +212,8 @@ fil = "x.h5"
 [run]
 backend = "nmba"
 """
-KEYS = [
-    "quantities[0]",
-    "quantities[1]",
-    "design.omga1",
-    "design.a1",
-    "design.a2",
-    "design.a3.linspce",
-    "links.model",
-    "cycle.branch",
-    "cycle.theta1",
-    "cycle.teta1",
-    "output.fil",
-    "run.backend",
-]
+KEYS = ["quantities[0]", "quantities[1]", "design.omga1", "design.a1", "design.a2", "design.a3.linspce"]
+KEYS += ["links.model", "cycle.branch", "cycle.theta1", "cycle.teta1", "output.fil", "run.backend"]
 
 
 def lines_of(text, door=read_study):
@@ -431,11 +410,7 @@ SOBOL = "sobol = {n = 4, a1 = [1, 2]}\n"
         ("", "design", "write a table [design] with a number or an axis for each"),
         ("[design]\n", "design", "write a number or an axis for each input"),
         ("[[design]]\na1 = 1\n", "design", "write a table of keys, such as [design]"),
-        (
-            "[design]\nsobol = {n = 4, a1 = [1, 2]}\na2 = {values = [1]}\n",
-            "design",
-            "write one of them, beside",
-        ),
+        (f"[design]\n{SOBOL}a2 = {{values = [1]}}\n", "design", "write one of them, beside"),
         (
             f"[design]\n{SOBOL}latin_hypercube = {{n = 4, a1 = [1, 2]}}\n",
             "design",
@@ -467,15 +442,12 @@ def test_bad_designs(folder, design, key, remedy):
     assert_problem(BARE + design, key, remedy)
 
 
-def test_links_that_lack_a_value(folder):
+def test_lacking_links_and_very_many_problems_are_told(folder):
     text = BARE.replace("theta4", "T41") + f"[design]\nomega1 = 1\n{LENGTHS}[links]\nmodel = 'round_bar'\n"
     assert refused_wrong(text) == [
         "links.density is missing (density of the round bars [kg m-3]); T41 depends on it: add it",
         "links.radius is missing (radius of the round bars [m]); T41 depends on it: add it",
     ]
-
-
-def test_very_many_problems_are_counted(folder):
     names = ", ".join(f'"wrong{k}"' for k in range(MOST_LINES + 5))
     lines = refused_wrong(GOOD.replace('"omega4_max", "theta4"', names))
     assert len(lines) == MOST_LINES + 1
@@ -508,12 +480,15 @@ def of_the_caller(text, **options):
     return caught.value
 
 
-def test_output_that_cannot_be_written(folder):
+def test_output_that_cannot_be_written_is_told_in_the_words_of_the_caller(folder):
     (line,) = refused_wrong(GOOD + '[output]\nfile = "no/map.h5"\n')
     assert line.startswith("output.file: ")
     assert line.endswith("there is no folder " + f"{folder / 'no'}; create it or choose another")
     assert of_the_caller(GOOD, to="no/map.h5").where == ("to",)
     assert_problem(GOOD + '[output]\nfile = ""\n', "output.file", "write a text that is not empty")
+    assert of_the_caller(GOOD, threads=0).where == ("threads",)
+    assert of_the_caller(GOOD, verify=-1).where == ("verify",)
+    assert not Path("study.h5").exists()
 
 
 @pytest.mark.parametrize("name", ["study.toml", "designs.csv"])
@@ -526,12 +501,6 @@ def test_a_study_never_replaces_what_it_is_read_from(folder, name):
     error = of_the_caller(text, to="link.h5", overwrite=True)
     assert (error.where, error.what) == (("to",), "link.h5 is a file that is read for it")
     assert Path("designs.csv").read_text() == "a1,a2\n0.4,1.2\n"
-
-
-def test_what_the_caller_says_is_told_in_the_words_of_the_caller(folder):
-    assert of_the_caller(GOOD, threads=0).where == ("threads",)
-    assert of_the_caller(GOOD, verify=-1).where == ("verify",)
-    assert not Path("study.h5").exists()
 
 
 def test_an_existing_file_is_replaced_when_the_study_or_the_caller_says_so(folder):

@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r, sweep_both
 from typer.testing import CliRunner
@@ -54,9 +55,9 @@ def test_a_map_is_swept_again_with_tolerances(maps):
             assert found[of].equals(swept[of])
         parts = found[f"{name}_contribution"]
         assert parts.dims == (*found[name].dims, "toleranced")
-        np.testing.assert_array_equal(abs(parts).sum("toleranced"), swept[f"{name}_worst_change"])
+        assert_array_equal(abs(parts).sum("toleranced"), swept[f"{name}_worst_change"])
     slope = sweep_4r(fl.grid(DESIGN), ["d_omega4_max_d_a3"]).d_omega4_max_d_a3
-    np.testing.assert_array_equal(found.omega4_max_contribution.sel(toleranced="a3"), slope * (0.8 * 1e-3))
+    assert_array_equal(found.omega4_max_contribution.sel(toleranced="a3"), slope * (0.8 * 1e-3))
     assert "grashof_class" not in found
     assert not any(name.startswith("d_") for name in found.data_vars)
 
@@ -65,7 +66,7 @@ def test_the_rows_of_the_best_designs_keep_their_assembly_modes(maps):
     rows = fl.best(maps, minimise="omega4_max", top=3)
     found = fl.tolerance(rows, ["omega4_max"], **GIVEN)
     whole = fl.tolerance(maps, ["omega4_max"], **GIVEN)
-    np.testing.assert_array_equal(found.omega4_max, rows.omega4_max)
+    assert_array_equal(found.omega4_max, rows.omega4_max)
     for k in range(3):
         of = whole.sel(a2=float(rows.a2[k]), branch=int(rows.branch[k]))
         assert float(found.omega4_max_rss_change[k]) == float(of.omega4_max_rss_change)
@@ -217,30 +218,23 @@ def test_changes_are_those_of_designs_at_all_corners_of_the_tolerances(mechanism
         corners = (8.0 * half[name].values - whole[name].values) / 3.0
         corners = corners.reshape(n, len(signs), *corners.shape[1:])
         changed = 0.5 * (corners - corners[:, ::-1])  # opposite corners
-        np.testing.assert_allclose(
-            found[f"{name}_worst_change"], abs(changed).max(axis=1), rtol=OFF, atol=1e-13
-        )
-        np.testing.assert_allclose(
-            found[f"{name}_rss_change"], np.sqrt((changed**2).mean(axis=1)), rtol=OFF, atol=1e-13
-        )
+        assert_allclose(found[f"{name}_worst_change"], abs(changed).max(axis=1), rtol=OFF, atol=1e-13)
+        assert_allclose(found[f"{name}_rss_change"], np.sqrt((changed**2).mean(axis=1)), rtol=OFF, atol=1e-13)
         compared += int(np.isfinite(changed).any())
     assert compared == len(names)
 
 
-def test_changes_are_made_of_the_derivatives_that_are_offered():
+def test_changes_are_made_of_derivatives_whose_status_comes_along():
     for name in ("omega4_max", "theta1_at_omega4_max", "omega4_mean", "omega4"):
         slopes = [f"d_{name}_d_{by}" for by in ("a1", "a2", "a3")]
         found = swept([f"{name}_worst_change", f"{name}_rss_change", *slopes], angles=8)
         terms = [abs(found[s]) * t for s, t in zip(slopes, (1e-4, 2e-4, 1e-3 * 0.8), strict=True)]
-        np.testing.assert_array_equal(found[f"{name}_worst_change"], sum(terms))
+        assert_array_equal(found[f"{name}_worst_change"], sum(terms))
         # two magnitudes, each of less than four roundings
-        np.testing.assert_allclose(
+        assert_allclose(
             found[f"{name}_rss_change"], np.sqrt(sum(term**2 for term in terms)), rtol=8 * 2.0**-52
         )
         assert found[f"{name}_rss_change"].attrs["units"] == ("rad" if "theta1" in name else "rad s-1")
-
-
-def test_the_status_of_the_derivatives_comes_along():
     # two places tie, the motion has limits
     found = swept(["B_y_min_rss_change", "theta1_at_B_y_min_worst_change"], {"a1_tolerance": 1e-4})
     assert list(found.data_vars)[:3] == [
@@ -252,7 +246,7 @@ def test_the_status_of_the_derivatives_comes_along():
     assert (infinite.omega4_max_gradient_status == 3).all()
 
 
-def test_an_axis_of_tolerances_only_scales_the_changes():
+def test_changes_scale_with_tolerances_and_have_extremes_over_the_cycle():
     space = fl.grid(DESIGN_CHANGE | {"a2": [1.1, 1.2], "a2_tolerance": [1e-5, 1e-4, 1e-3]})
     names = ["omega4_max_worst_change", "omega4_rms_rss_change", "omega4_rss_change"]
     found = sweep_4r(space, names, angles=4)
@@ -260,13 +254,10 @@ def test_an_axis_of_tolerances_only_scales_the_changes():
     for k, size in enumerate((1e-5, 1e-4, 1e-3)):
         one = swept(names, {"a2_tolerance": size}, angles=4)
         for name in names:
-            np.testing.assert_allclose(found[name][0, k], one[name], rtol=4 * 2.0**-52)
+            assert_allclose(found[name][0, k], one[name], rtol=4 * 2.0**-52)
     # with a second tolerance that stays it does not; the speed still does
     both = fl.grid(DESIGN_CHANGE | {"omega1": [1.0, 2.0], "a1_tolerance": 1e-4, "a2_tolerance": [1e-5, 1e-4]})
     assert sweep_4r(both, names[:1]).attrs["scaling_axis"] == "omega1"
-
-
-def test_a_change_over_the_cycle_has_its_extremes():
     found = swept(
         ["theta4_worst_change_max", "theta1_at_theta4_worst_change_max", "theta4_worst_change_mean"]
     )
@@ -274,7 +265,7 @@ def test_a_change_over_the_cycle_has_its_extremes():
     assert found.theta4_worst_change_max.attrs["extrema"] == "refined"
     curve = swept(["theta4_worst_change"], angles=3600).theta4_worst_change
     # the curve bends by less than three times its greatest value, samples are 0.1 degrees apart
-    np.testing.assert_allclose(found.theta4_worst_change_max, curve.max("theta1"), rtol=1e-5)
+    assert_allclose(found.theta4_worst_change_max, curve.max("theta1"), rtol=1e-5)
     for k in (0, 1):
         given = DESIGN_CHANGE | TOLERANCES | {"theta1": at[k], "branch": k + 1}
         here = fl.evaluate("planar_4r", ["theta4_worst_change"], **given)["theta4_worst_change"]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from benchmarks.__main__ import measure
 from benchmarks.cases import CASES, angle_tables, bind_case, designs, fact, space_of
+from numpy.testing import assert_allclose, assert_array_equal
 
 from benchmarks import accuracy, answers, minkowski, numba_baseline, peers, report
 from fastlink.app.accuracy import curves_by_numpy
@@ -49,16 +50,18 @@ def test_c_has_the_bits_of_the_engine(case):
     ours = bind_case(case, x, K)[1]
     # The same arithmetic, strict IEEE in both.
     for name, one, other in zip(CASES[case], ours, theirs, strict=True):
-        np.testing.assert_array_equal(one, other, err_msg=name)
+        assert_array_equal(one, other, err_msg=name)
 
 
-def test_without_a_compiler_the_table_has_a_note(monkeypatch):
+def test_the_page_shows_what_was_measured_and_notes_a_lacking_compiler(monkeypatch):
     monkeypatch.setenv("CC", "no-such-compiler")
     about = report.machine()
     text = report.text_of([{"case": "positions", "ns": 0.3}], [{"request": "rates", "cold": 0.1}], about)
     assert about["versions"]["gcc"] is None
     assert "| positions |" in text
     assert "No gcc" in text
+    kept = report.record()
+    assert report.parts_of_page()[1] == report.text_of(kept["cases"], kept["answers"], kept["machine"])
 
 
 def difference(ours, theirs):
@@ -109,8 +112,6 @@ def test_every_request_is_one(label):
     assert refined == ("extremes of" in label or label in (answers.COMMAND, "greatest shaking force"))
 
 
-# ---- --check ----
-
 ANSWERS = {"request": "rates", "to_heyoka": 3.0, "to_fixed": 2.0, "known_to_fixed": 1.0}
 RECORD = {
     "facts": [fact("a / C", 1.0), fact("b / C", 1.0), fact("a", 3.0, "ns"), fact("NumPy / a", 9.0, "times")],
@@ -125,28 +126,17 @@ def measuring(*times):
     return {"group": lambda: {"a / C": next(values), "b / C": 1.05}}
 
 
-def test_ratios_of_the_record_are_those_of_times():
-    assert set(report.ratios(*RECORD.values())) == {
-        *("a / C", "b / C", "rates, time / C", "rates, set-up / heyoka.py"),
-        *("rates, set-up / fixed work", "rates, set-up from the cache / fixed work"),
-    }
-
-
-def test_what_got_worse_is_named(capsys):
+def test_what_got_worse_is_named_and_what_other_load_disturbed_measured_again(capsys):
     assert report.check(RECORD, measuring(*[1.2] * report.ROUNDS)) == 1
     said = capsys.readouterr().out
     assert "a / C: 1.2, recorded 1, 20 % worse" in said
     assert "b / C" not in said
-
-
-def test_what_other_load_disturbed_is_measured_again(capsys):
     assert report.check(RECORD, measuring(2.0, 1.3, 1.0)) == 0
     assert "nothing is more than 10 % worse" in capsys.readouterr().out
-
-
-def test_what_was_measured_is_what_is_shown():
-    kept = report.record()
-    assert report.parts_of_page()[1] == report.text_of(kept["cases"], kept["answers"], kept["machine"])
+    assert set(report.ratios(*RECORD.values())) == {
+        *("a / C", "b / C", "rates, time / C", "rates, set-up / heyoka.py"),
+        *("rates, set-up / fixed work", "rates, set-up from the cache / fixed work"),
+    }
 
 
 @pytest.mark.stress
@@ -160,7 +150,7 @@ def test_the_page_has_the_measured_errors_of_textbook_formulas():
             printed = [float(number) for number in re.findall(r"([\d.e+-]+) \(", text)]
             # The sines and arctangents of another machine's library: a rounding of each, whose median it is.
             medians = np.median(errors[family][quantity], axis=1)
-            np.testing.assert_allclose(medians, printed, rtol=0.5, atol=0.3)
+            assert_allclose(medians, printed, rtol=0.5, atol=0.3)
             if family in ("gap 1e-8", "gap 1e-15", "toggle 1e-5", "toggle 1e-8"):
                 # theta4 itself has a square-root's sensitivity there: half of the digits
                 assert medians[0] > (100.0 if quantity == "theta4" else 5e4), (quantity, family)
@@ -176,17 +166,14 @@ def test_single_precision_has_digits_of_single_precision():
     assert 2.0**-25 < difference([double], [single]) <= 40 * 100 * 2.0**-24
 
 
-# ---- of the Minkowskian 4R ----
-
-
 def test_eq3_has_the_same_roots():
     x, theta = minkowski.designs(40), np.linspace(-4.0, 4.0, 57)
     psi, orientation = minkowski.bind_psi(x, theta)[1]
     by_eq3, sign = minkowski.eq3(x, theta)
-    np.testing.assert_array_equal(np.isnan(by_eq3), np.isnan(psi))
-    np.testing.assert_array_equal(np.nan_to_num(sign), orientation)
+    assert_array_equal(np.isnan(by_eq3), np.isnan(psi))
+    assert_array_equal(np.nan_to_num(sign), orientation)
     # Of 16 digits eq. (3) loses those of e^(psi + theta): four at most here.
-    np.testing.assert_allclose(by_eq3, psi, rtol=0, atol=1e-10)
+    assert_allclose(by_eq3, psi, rtol=0, atol=1e-10)
 
 
 def test_the_table_of_the_docs_is_the_one_that_is_measured():

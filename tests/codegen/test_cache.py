@@ -63,9 +63,6 @@ def kept(compiler, load=bytes, key=KEY):
     return cache.load_or_compile(key, compiler, load)
 
 
-# -- one kernel ------------------------------------------------------------------------------------
-
-
 def test_what_was_compiled_is_kept(place):
     compiler = Compiler()
     assert [kept(compiler), kept(compiler)] == [b"code", b"code"]
@@ -205,8 +202,6 @@ def test_damaged_files_of_numba_are_made_again(place):
         assert len(next(place.rglob(f"*.{ending}")).read_bytes()) > len(whole) / 2
 
 
-# -- processes -------------------------------------------------------------------------------------
-
 SCRIPT = """
 import time
 import numpy as np
@@ -293,9 +288,6 @@ def test_threads_compile_once(place, monkeypatch):
     assert len(set(map(id, found))) == len(made) == 1
 
 
-# -- what a kernel depends on ----------------------------------------------------------------------
-
-
 def test_all_that_kernels_call_is_in_the_packages_that_are_hashed():
     """Facts of mechanisms are pasted into the text; functions that are called by name must be hashed.
 
@@ -327,9 +319,6 @@ def test_an_edit_in_a_package_is_another_environment(package, tmp_path, monkeypa
     edited = next((tmp_path / package).glob("[a-z]*.py"))
     edited.write_bytes(edited.read_bytes() + b"#")
     assert read() != cache.environment()
-
-
-# -- all of them -----------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -425,7 +414,7 @@ def test_a_bound_that_is_no_number_is_told(place, monkeypatch, size):
         cache.contents()
 
 
-def test_the_command_shows_and_clears(place):
+def test_the_command_shows_and_clears_and_says_what_it_could_not_remove(place, monkeypatch):
     command = CliRunner()
     empty = command.invoke(app, ["cache"])
     assert empty.exit_code == 0
@@ -437,9 +426,7 @@ def test_the_command_shows_and_clears(place):
     assert "0 kernels" in command.invoke(app, ["cache", "--clear"]).output
     kept(Compiler())
     assert "1 kernel of 36 B" in command.invoke(app, ["cache"]).output
-
-
-def test_the_command_says_how_much_it_could_not_remove(place, monkeypatch):
+    command.invoke(app, ["cache", "--clear"])
     fill(2)
 
     def fail(*_, **__):
@@ -448,9 +435,6 @@ def test_the_command_says_how_much_it_could_not_remove(place, monkeypatch):
     monkeypatch.setattr(Path, "unlink", fail)
     found = CliRunner().invoke(app, ["cache", "--clear"])
     assert "2.06 kB could not be removed" in found.output
-
-
-# -- the line on the terminal ----------------------------------------------------------------------
 
 
 class Terminal(io.StringIO):
@@ -526,18 +510,13 @@ def planted(place):
     return place
 
 
-def of_another_user(monkeypatch):
-    """Let every file be of another user: only the administrator can give files away."""
-    own = os.geteuid()
-    monkeypatch.setattr(os, "geteuid", lambda: own + 1)
-
-
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="users have no numbers here")
 @pytest.mark.parametrize("mode", [0o777, 0o1777, 0o770, None])
 def test_code_that_another_user_may_have_planted_is_not_run(planted, monkeypatch, mode):
     said = "can be written by other users"
     if mode is None:
-        of_another_user(monkeypatch)
+        own = os.geteuid()  # every file is of another user: only the administrator can give files away
+        monkeypatch.setattr(os, "geteuid", lambda: own + 1)
         said = "belongs to another user"
     else:
         planted.chmod(mode)

@@ -1,7 +1,5 @@
 """The text of kernels: what is computed, what it is called, that it can be read."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import pkgutil
@@ -10,11 +8,13 @@ import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.mechanisms.linkages.declared import SIX_BAR
 from tests.support.compiled import assert_same_bits
 from tests.support.configurations import PLANAR, draw
@@ -50,11 +50,7 @@ from fastlink.space.design_space import EXTREMUM
 
 @dataclass(frozen=True)
 class Family:
-    """A request that has kernels of one kind.
-
-    Designs are random, of all classes: some assemble nowhere. There are more of them than the lanes of a vector, and no
-    whole number of vectors.
-    """
+    """A request that has kernels of one kind."""
 
     mechanism: Any
     names: Sequence[str]
@@ -63,10 +59,8 @@ class Family:
     designs: int = 11
     more: Mapping[str, float] = field(default_factory=dict)
 
-    def request(self) -> Any:
+    def request(self):
         """Return the request, resolved."""
-        from fastlink.mechanisms import catalogue
-
         found = catalogue(self.mechanism, self.options.get("input"))
         rng = np.random.default_rng(len(self.names) + self.designs)
         columns = draw(found.inputs, rng, self.designs)
@@ -111,12 +105,13 @@ FORCES = ["F32_x", "T41", "shaking_moment"]
 GRADIENTS = ["d_omega4_max_d_a2", "d_theta4_min_d_a1", "d_theta1_at_omega4_max_d_a3"]
 DRIVEN = {"input": "joint_angle_2"}
 TOLERANCES = {"a1_tolerance": 1e-3, "a3_relative_tolerance": 1e-2, "m2_tolerance": 1e-2}
-FAMILIES: dict[str, Family] = {
+planar = partial(Family, "planar_4r")
+FAMILIES = {
     # Lanes are angles: the last vector of angles overlaps the one before.
-    "curves": Family("planar_4r", MOTION, 37),
-    "curves of forces": Family("planar_4r", FORCES, 41),
-    "curves of one branch": Family("planar_4r", MOTION, 37, {"branch": 2}),
-    "curves by another joint": Family("planar_4r", ["joint_angle_1", "joint_omega_4"], 37, DRIVEN),
+    "curves": planar(MOTION, 37),
+    "curves of forces": planar(FORCES, 41),
+    "curves of one branch": planar(MOTION, 37, {"branch": 2}),
+    "curves by another joint": planar(["joint_angle_1", "joint_omega_4"], 37, DRIVEN),
     "curves of rapidity": Family("minkowski_4r", ["psi"], 37),
     "curves in pieces": Family("minkowski_4r", ["psi", "A_x"], 517, designs=2),
     "curves of the focal mechanism": Family("focal", ["T_x", "S_x", "psi_rate"], 37, {"input": "sigma"}),
@@ -124,64 +119,61 @@ FAMILIES: dict[str, Family] = {
     "curves of Hart's linkage": Family("hart", ["F_x", "F_y", "P_x"], 37),
     "curves by the line": Family("hart", ["phi", "P_x"], 37, {"input": "F_y"}),
     # Lanes are designs.
-    "few angles": Family("planar_4r", MOTION, 5),
-    "reductions": Family("planar_4r", REDUCED, 9, SAMPLED),
-    "fluctuation over two angles": Family("planar_4r", ["T41_fluctuation", "omega4_rms"], 2, SAMPLED),
-    "paths of points": Family("planar_4r", ["P_straightness", "A_roundness"], 7),
-    "curves and reductions": Family("planar_4r", ["omega4", "omega4_max"], 37, SAMPLED),
-    "systems": Family("planar_4r", ["F32_x", "T41", "T41_max"], 5, {"solver": "dense"} | SAMPLED),
-    "designs": Family("planar_4r", ["swing", "grashof_class", "time_ratio", "status"], 4),
+    "few angles": planar(MOTION, 5),
+    "reductions": planar(REDUCED, 9, SAMPLED),
+    "fluctuation over two angles": planar(["T41_fluctuation", "omega4_rms"], 2, SAMPLED),
+    "paths of points": planar(["P_straightness", "A_roundness"], 7),
+    "curves and reductions": planar(["omega4", "omega4_max"], 37, SAMPLED),
+    "systems": planar(["F32_x", "T41", "T41_max"], 5, {"solver": "dense"} | SAMPLED),
+    "designs": planar(["swing", "grashof_class", "time_ratio", "status"], 4),
     "flags": Family("minkowski_4r", ["linkage_type", "configuration_status", "status"], 37),
     "designs of the focal mechanism": Family("focal", ["status"], 4),
     "designs of Hart's linkage": Family("hart", ["stroke", "status"], 4),
-    "derivatives": Family("planar_4r", ["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
-    "error bounds of extremes": Family(
-        "planar_4r", ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
+    "derivatives": planar(["d_omega4_d_a1", "d_T41_d_m2", "d_omega4_d_theta1"], 37),
+    "error bounds of extremes": planar(
+        ["omega4_max_error", "theta4_min_error", "F41_min_error", "omega4_extrema_error"], 5
     ),
-    "derivatives of extremes": Family("planar_4r", [*GRADIENTS, "omega4_min_gradient_status"]),
-    "changes by tolerances": Family(
-        "planar_4r",
+    "derivatives of extremes": planar([*GRADIENTS, "omega4_min_gradient_status"]),
+    "changes by tolerances": planar(
         ["omega4_worst_change", "theta4_min_worst_change", "transmission_angle_min_worst_change"],
         9,
         more=TOLERANCES,
     ),
-    "derivatives of extremes by another joint": Family(
-        "planar_4r", ["d_joint_angle_4_max_d_a1", "joint_angle_4_min_gradient_status"], options=DRIVEN
+    "derivatives of extremes by another joint": planar(
+        ["d_joint_angle_4_max_d_a1", "joint_angle_4_min_gradient_status"], options=DRIVEN
     ),
     "derivatives of extremes with kinks": Family(OWN, ["d_load_min_d_a2", "load_min_gradient_status"]),
-    "derivatives of reductions": Family(
-        "planar_4r", ["d_omega4_rms_d_a2", GRADIENTS[0], "omega4_mean_gradient_status"], 9, SAMPLED
+    "derivatives of reductions": planar(
+        ["d_omega4_rms_d_a2", GRADIENTS[0], "omega4_mean_gradient_status"], 9, SAMPLED
     ),
-    "error bounds": Family("planar_4r", ["omega4_error", "omega4_trust", "T41_error"], 5),
+    "error bounds": planar(["omega4_error", "omega4_trust", "T41_error"], 5),
     "reduced rapidity": Family("minkowski_4r", ["psi_max", "psi_rms"], 9, SAMPLED),
     # Every extreme: a search by samples, and roots.
-    "extremes": Family("planar_4r", ["omega4_max", "theta1_at_omega4_max", "transmission_angle_min"]),
-    "extremes of forces": Family("planar_4r", ["T41_max", "F32_max"]),
-    "extremes of one branch": Family("planar_4r", ["omega4_min"], 9, {"branch": 1}),
-    "lists of extremes": Family("planar_4r", ["alpha4_extrema", "T41_extrema"]),
+    "extremes": planar(["omega4_max", "theta1_at_omega4_max", "transmission_angle_min"]),
+    "extremes of forces": planar(["T41_max", "F32_max"]),
+    "extremes of one branch": planar(["omega4_min"], 9, {"branch": 1}),
+    "lists of extremes": planar(["alpha4_extrema", "T41_extrema"]),
     # A list, and in its kernel a quantity with more extremes than that has room for.
-    "a list beside other extremes": Family("planar_4r", ["alpha4_extrema", "joint_omega_2_max"]),
-    "lists of extremes with toggles": Family("planar_4r", ["curvature_extrema_error", "P_x_max_error"]),
-    "lists of extremes with folds": Family(
-        "planar_4r", ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}
+    "a list beside other extremes": planar(["alpha4_extrema", "joint_omega_2_max"]),
+    "lists of extremes with toggles": planar(["curvature_extrema_error", "P_x_max_error"]),
+    "lists of extremes with folds": planar(
+        ["F41_extrema_error"], more={"a1": 1.0, "a2": 2.0, "a3": 3.0, "a4": 2.0}
     ),
     "lists of extremes with kinks": Family(
         OWN, ["lower_extrema", "T41_extrema"], more={"T_load_quadratic": 1e6}
     ),
-    "angles that jump": Family("planar_4r", ["theta4_max", "theta4_min", "theta2_extrema"]),
+    "angles that jump": planar(["theta4_max", "theta4_min", "theta2_extrema"]),
     "what is made of angles that jump": Family(
         OWN, ["between_max_error", "between_extrema"], more={"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8}
     ),
-    "extremes over an arc": Family(
-        "planar_4r", ["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}
-    ),
+    "extremes over an arc": planar(["omega4_max", "theta4_min"], 9, more={"arc_start": 0.5, "arc_end": 2.0}),
     "extremes in pieces": Family(
         SIX_BAR,
         ["F_x_max", "F_x_max_error", "d_F_x_max_d_a1", "F_x_extrema", "theta_low", "theta_low_by", "status"],
         options={"branch": (1, 2, 3, 4)},
     ),
-    "extremes with poles": Family("planar_4r", ["mechanical_advantage_max", "mechanical_advantage_extrema"]),
-    "extremes by another joint": Family("planar_4r", ["joint_omega_4_max"], 9, DRIVEN),
+    "extremes with poles": planar(["mechanical_advantage_max", "mechanical_advantage_extrema"]),
+    "extremes by another joint": planar(["joint_omega_4_max"], 9, DRIVEN),
     "extremes of the focal mechanism": Family("focal", ["psi_rate_max"], 9, {"input": "sigma"}),
 }
 
@@ -192,10 +184,9 @@ def few(*names):
     return [name if name in names else pytest.param(name, marks=pytest.mark.stress) for name in FAMILIES]
 
 
-def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
+def kernels(request):
     """Return the kernels of a request, each with its arguments: designs, angles, their numbers, fresh arrays."""
-    found = []
-    space = request.evaluated
+    found, space = [], request.evaluated
     size = space.size
     for kernel in request.kernels:
         program = kernel.program
@@ -216,25 +207,25 @@ def kernels(request: Any) -> list[tuple[Any, list[Any]]]:
     return found
 
 
-def run_as_python(kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+def run_as_python(kernel, arguments):
     """Return the results of the text as it is."""
-    namespace: dict[str, Any] = {}
+    namespace = {}
     exec(compile(kernel.text, "<kernel>", "exec"), namespace)
     with np.errstate(all="ignore"):
         return _run(namespace["kernel"], kernel, arguments)
 
 
-def run_compiled(kernel: Any, arguments: Sequence[Any], backend: str = "llvm") -> list[np.ndarray]:
+def run_compiled(kernel, arguments, backend="llvm"):
     """Return the results of machine code."""
     return _run(load_kernel(kernel.source, backend), kernel, arguments)
 
 
-def run_code(kernel: Any, arguments: Sequence[Any], code: bytes) -> list[np.ndarray]:
+def run_code(kernel, arguments, code):
     """Return the results of object code."""
     return _run(MachineCode(kernel.source, code), kernel, arguments)
 
 
-def _run(function: Any, kernel: Any, arguments: Sequence[Any]) -> list[np.ndarray]:
+def _run(function, kernel, arguments):
     own = [a.copy() if isinstance(a, np.ndarray) else a for a in arguments]
     function(*own)
     return own[len(own) - len(kernel.program.outputs) :]
@@ -262,22 +253,22 @@ class Loop:
     lines: list[str] = field(repr=False)
 
     @property
-    def packed(self) -> int:
+    def packed(self):
         return sum(bool(PACKED.match(line)) for line in self.lines)
 
     @property
-    def single(self) -> int:
+    def single(self):
         """Operations of one lane, but for those of numbers from outside, whose result goes to all lanes at once.
 
         LLVM makes one such operation of a packed one between numbers that stand in all lanes.
         """
-        spread: dict[int, bool] = {}
+        spread = {}
         for k in reversed(range(len(self.lines))):
             if SINGLE.match(self.lines[k]):
                 spread[k] = self._is_spread(k, spread)
         return sum(not done for done in spread.values())
 
-    def _is_spread(self, k: int, spread: dict[int, bool]) -> bool:
+    def _is_spread(self, k, spread):
         """Tell whether the next line that reads what line k makes copies it to all lanes, or is of that kind itself."""
         made = _registers(self.lines[k])
         made = made[0] if re.match(r"\s+f", self.lines[k]) else made[-1]
@@ -287,15 +278,15 @@ class Loop:
         return False
 
 
-def _registers(line: str) -> list[str]:
+def _registers(line):
     return [x86 or arm for x86, arm in REGISTER.findall(line)]
 
 
-def inner_loops(text: str) -> list[Loop]:
+def inner_loops(text):
     """Return the loops that hold no other one."""
     lines = text.splitlines()
     labels = {found[1]: k for k, line in enumerate(lines) if (found := LABEL.match(line))}
-    ends: dict[int, int] = {}
+    ends = {}
     for k, line in enumerate(lines):
         if (found := JUMP.match(line)) and labels.get(found[1], k) < k:
             ends[labels[found[1]]] = k
@@ -307,14 +298,14 @@ def inner_loops(text: str) -> list[Loop]:
     return [Loop(lines[a : b + 1]) for a, b in sorted(inner)]
 
 
-def called(text: str) -> set[str]:
+def called(text):
     """Return the functions that are called, or gone on to, and are not part of the text."""
     lines = text.splitlines()
     own = {found[1] for line in lines if (found := LABEL.match(line))}
     return {found[1] for line in lines if (found := CALL.match(line))} - own
 
 
-def fused(text: str) -> list[str]:
+def fused(text):
     """Return the lines that fuse a product with a sum."""
     return [line for line in text.splitlines() if FUSED.match(line)]
 
@@ -407,7 +398,7 @@ def test_designs_beyond_the_first_lanes_are_computed_too():
     """Of lengths that are called m and n."""
     n, design = np.linspace(0.8, 1.2, 130), {"m": 1.0, "d": 1.2, "kappa": 0.5}
     found = sweep_both("hart", fl.grid(n=n, **design), ["stroke"])["stroke"]
-    np.testing.assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])
+    assert_array_equal(found, evaluate("hart", ["stroke"], n=n, phi=0.0, **design)["stroke"])
 
 
 @pytest.mark.parametrize("lanes", ["designs", "angles"])
@@ -425,7 +416,7 @@ def test_a_fact_may_need_the_branch_itself(lanes):
     found = np.empty((2, 2, 40))
     scratch = (np.empty(array.lengths(40)) for array in kernel.source.scratch)
     kernel.compiled()(designs, angles, 2, 40, *scratch, found)
-    np.testing.assert_array_equal(found, [[3.0 + np.arange(40.0), 6.0 + np.arange(40.0)]] * 2)
+    assert_array_equal(found, [[3.0 + np.arange(40.0), 6.0 + np.arange(40.0)]] * 2)
 
 
 @pytest.mark.parametrize(
@@ -563,7 +554,7 @@ def test_few_designs_come_soon_and_many_fast(compiled, names):
     sweep_4r(space(most + 1), names, angles=36)
     assert compiled == [True, False]
     for found in (second, third):
-        np.testing.assert_array_equal(found[names[0]], first[names[0]], strict=True)
+        assert_array_equal(found[names[0]], first[names[0]], strict=True)
 
 
 def test_code_that_runs_fast_is_taken_wherever_it_is(compiled):
@@ -919,7 +910,7 @@ def test_what_is_inside_means_what_python_means(name):
     exec(compile(text, "<kernel>", "exec"), namespace)
     namespace["kernel"](given.copy(), np.empty((0, 0)), 16, 7, expected)
     load_kernel(source)(given, np.empty((0, 0)), 16, 7, found)
-    np.testing.assert_array_equal(found, expected)
+    assert_array_equal(found, expected)
     assert (expected != 55.0).any()
 
 
@@ -951,7 +942,7 @@ print(len(kernels))
 """
 
 
-def test_kernels_are_loaded_wherever_great_arrays_stand() -> None:
+def test_kernels_are_loaded_wherever_great_arrays_stand():
     # parts of one more than 2 GB apart end the process
     done = subprocess.run([sys.executable, "-c", AMONG_ARRAYS], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[-300:]

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from scipy.optimize import minimize
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r, sweep_both
@@ -141,10 +141,7 @@ def test_a_crank_rocker_as_by_its_own_formulas():
 
 
 def test_counterweights_of_berkof_and_lowen():
-    """The shaking force vanishes where counterweights keep the mass centre at rest: m r = (m1 + m2) a1 / 2 and so on.
-
-    Uniform bars: of the coupler one half counts at A, one at B. The least force is at a kink, where it is 0.
-    """
+    """The shaking force vanishes where counterweights keep the mass centre at rest: m r = (m1 + m2) a1 / 2."""
     bar = 7750.0 * np.pi * 0.01**2
     m1, m2, m3 = (bar * a for a in (0.4, 1.2, 0.8))
     known = [(m1 + m2) * 0.5 * 0.4 / 0.2, (m2 + m3) * 0.5 * 0.8 / 0.4]
@@ -155,7 +152,7 @@ def test_counterweights_of_berkof_and_lowen():
     found = fl.best(maps, minimise="shaking_force_max", top=1, refine=True)
     # a force is 1e3 N per kilogram that is off, and its rounding 1e-12 N
     masses = [float(found.counterweight1_mass[0]), float(found.counterweight3_mass[0])]
-    np.testing.assert_allclose(masses, known, rtol=1e-9)
+    assert_allclose(masses, known, rtol=1e-9)
     assert float(found.shaking_force_max[0]) < 1e-6
 
 
@@ -165,7 +162,7 @@ def test_a_position_is_found_too(rockers):
     maps = sweep_4r(fl.sobol(16, inputs, seed=2), ["omega4", "omega4_max"], theta1=16)
     where = {"status": "rotates_fully", "branch": (1, 1)}
     found = fl.best(maps, maximise="omega4", where=where, top=2, refine=["a1"])
-    np.testing.assert_allclose(found.omega4, found.omega4_max, rtol=1e-9)
+    assert_allclose(found.omega4, found.omega4_max, rtol=1e-9)
     assert ((found.theta1 >= 0.0) & (found.theta1 < 2.0 * np.pi)).all()
     again = fl.evaluate("planar_4r", ["omega4"], theta1=found.theta1.values, branch=found.branch.values,
                         **{key: found[key].values for key in inputs})  # fmt: skip
@@ -195,8 +192,8 @@ def test_inputs_of_a_table_that_lie_on_a_line_stay_there():
     maps = fl.sweep("planar_4r", fl.table(columns), ["transmission_angle_min", "swing"], branch=1)
     found = fl.best(maps, maximise="swing", where={"transmission_angle_min": (0.7, None)}, top=1, refine=True)
     assert float(found.swing_gain[0]) > 0.0
-    np.testing.assert_allclose(found.a3, found.a2, rtol=4e-16)
-    np.testing.assert_allclose(found.a4, 0.5 * found.a2 + 0.6, rtol=1e-15)
+    assert_allclose(found.a3, found.a2, rtol=4e-16)
+    assert_allclose(found.a4, 0.5 * found.a2 + 0.6, rtol=1e-15)
 
 
 def test_only_named_inputs_change_and_what_is_at_its_best_already_stays(rockers):
@@ -298,7 +295,7 @@ def test_a_least_greatest_value_is_at_the_vertex_of_its_pieces():
     vertex = np.linalg.solve([[4.0, 1.0], [3.0, -2.0]], [2.1, 0.2])
     assert found.outcome is Outcome.CONVERGED
     # SLSQP's precision is 1e-12 of the objective, the linear programs are exact on planes: 1e-9 of the ranges
-    np.testing.assert_allclose(found.point, vertex, atol=1e-9)
+    assert_allclose(found.point, vertex, atol=1e-9)
 
 
 def test_a_bent_limit_is_kept_and_named():
@@ -318,12 +315,12 @@ def test_a_bent_limit_is_kept_and_named():
 
 def test_ends_of_inputs_are_named_and_where_nothing_can_be_gained_the_start_stays():
     found = descend(task(lambda x: [x[0] - x[1]], lambda x: [[1.0, -1.0]]), np.array([0.5, 0.5]))
-    np.testing.assert_array_equal(found.point, [0.0, 1.0])
+    assert_array_equal(found.point, [0.0, 1.0])
     assert found.ends == {(0, -1), (1, 1)}
     start = np.array([0.5, 0.25])
     found = descend(task(lambda x: [abs(x - start).sum()], lambda x: [np.sign(x - start + 1e-300)]), start)
     assert found.outcome is Outcome.NOTHING_TO_GAIN
-    np.testing.assert_array_equal(found.point, start)
+    assert_array_equal(found.point, start)
     found = descend(task(lambda x: [x[0]], lambda x: [[np.nan]]), np.array([0.5]))
     assert found.outcome is Outcome.NO_DERIVATIVE_AT_THE_START
 
@@ -375,22 +372,18 @@ RANGES = {"a1": (0.1, 0.55), "a2": 1.2, "a3": 0.8, "a4": 1.0}
 NEAR = 1e-5
 
 
-def check_wells(found):
-    np.testing.assert_allclose(np.sort(found.a1), BOTTOMS, atol=NEAR)
-    assert float(found.a1[0]) < float(found.a1[1])  # the deeper one first
-    assert int(found.starts.sum()) > 2
-    assert f"from {int(found.starts.sum())} of these to 2 different designs" in found.attrs["selection"]
-
-
 def test_of_a_map_and_of_a_search():
     space = fl.sobol(200, RANGES, seed=1)
     maps = fl.sweep(mine, space, ["wells"], branch=1)
     asked = {"minimise": "wells", "top": 4}
     found = fl.best(maps, **asked, refine=True, mechanism=mine)
-    check_wells(found)
+    assert_allclose(np.sort(found.a1), BOTTOMS, atol=NEAR)
+    assert float(found.a1[0]) < float(found.a1[1])  # the deeper one first
+    assert int(found.starts.sum()) > 2
+    assert f"from {int(found.starts.sum())} of these to 2 different designs" in found.attrs["selection"]
     searched = fl.search(mine, space, **asked)
-    np.testing.assert_array_equal(searched.a1, found.a1)
-    np.testing.assert_array_equal(searched.starts, found.starts)
+    assert_array_equal(searched.a1, found.a1)
+    assert_array_equal(searched.starts, found.starts)
 
 
 def test_designs_of_a_front_that_are_the_same_are_told_once():

@@ -342,9 +342,6 @@ def test_parts_of_a_study_are_joined(folder):
         check_same(joined, whole)
 
 
-# -- parts, and the workers of a cluster ------------------------------------------------------------
-
-
 def check_same(found, whole):
     """The results of two searches are the same but for their making."""
     assert list(found.variables) == list(whole.variables)

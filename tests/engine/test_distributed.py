@@ -197,9 +197,6 @@ def test_what_a_worker_cannot_bring_to_the_disk_is_not_recorded(workers, small_t
     assert list(tmp_path.iterdir()) == []
 
 
-# -- many workers ----------------------------------------------------------------------------------
-
-
 class Simulated:
     """A client of as many workers of one thread each, in a time of its own: 2 ms for a task, and 3 us for a design."""
 
@@ -259,10 +256,7 @@ def test_the_client_keeps_up_with_any_number_of_threads(monkeypatch, threads, wo
     assert min(client.tasks.values()) >= 3
 
 
-# -- what is refused -------------------------------------------------------------------------------
-
-
-def test_what_is_no_client_is_refused(workers):
+def test_what_is_no_client_is_refused_and_threads_are_those_of_the_workers(workers):
     with Client(workers.scheduler.address) as closed:
         pass
     with refused("client", "make it anew"):
@@ -270,18 +264,14 @@ def test_what_is_no_client_is_refused(workers):
     for wrong in (1, "tcp://127.0.0.1:8786", Client):
         with refused("client", "distributed.Client"):
             swept(client=wrong)
-
-
-def test_threads_are_those_of_the_workers(workers):
     with refused("threads", "leave it out"):
         swept(client=workers, threads=2)
     assert swept(client=workers).attrs["threads"] == 2
 
 
-@pytest.mark.parametrize(("name", "value"), [("environment", lambda: b"other")], ids=["code"])
-def test_a_worker_with_another_version_is_refused_beforehand(workers, tmp_path, name, value):
+def test_a_worker_with_another_version_is_refused_beforehand(workers, tmp_path):
     first, _ = workers.nthreads()
-    workers.run(_change, "fastlink.engine.cluster", name, value, workers=[first])
+    workers.run(_change, "fastlink.engine.cluster", "environment", lambda: b"other", workers=[first])
     with refused(f"{first}", "install the version"):
         swept(client=workers, to=tmp_path / "maps.h5")
     assert list(tmp_path.iterdir()) == []
@@ -304,9 +294,6 @@ def test_a_study_runs_on_a_cluster(workers, tmp_path):
     refusal = CliRunner().invoke(app, [*command, "tcp://127.0.0.1:9"])
     assert refusal.exit_code == 2
     assert "--dask: no scheduler answers" in refusal.output
-
-
-# -- workers that are lost, last: they take seconds to start again -----------------------------------
 
 
 @pytest.mark.parametrize(

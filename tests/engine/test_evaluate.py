@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_array_equal, assert_equal
 from tests.support.configurations import draw
 from tests.support.refusals import refused
 from tests.support.registry import ENTRIES
@@ -57,13 +58,13 @@ def test_every_door_takes_positions_by_the_name_of_the_input(folder, mechanism, 
         swept = fl.sweep(mechanism, fl.grid(**design), [quantity], **at)
         function = fl.function(mechanism, [first], [quantity], **fixed, **at)
         assert function.shape == (len(VALUES),)
-        np.testing.assert_array_equal(swept[input], VALUES)
+        assert_array_equal(swept[input], VALUES)
         assert swept.mechanism == mechanism  # a name that `fl.sweep` takes, whatever drives
         study = written(study_of(mechanism, input, design, quantity, name))
         with fl.run(study, to=f"{name}.h5", verify=0) as result:
             found += [swept[quantity].values, function([design[first]])[0], result[quantity].values]
     for values in found[1:]:
-        np.testing.assert_array_equal(values, found[0])
+        assert_array_equal(values, found[0])
 
 
 @pytest.mark.sample(3)
@@ -127,7 +128,7 @@ def test_a_gap_among_branches_is_a_gap_in_what_depends_on_them(entry):
         found = fl.evaluate(entry.mechanism, entry.names, branch=gap, allow_invalid=True, **given)
         for name, values in found.items():
             first, second = np.broadcast_to(values, 2)
-            np.testing.assert_equal(first, modes[0][name], err_msg=name)
+            assert_equal(first, modes[0][name], err_msg=name)
             if modes[0][name] != modes[1][name]:
                 assert np.isnan(second), name
     with pytest.raises(fl.InputError):
@@ -174,7 +175,6 @@ def test_results_of_evaluate_are_labelled_as_in_a_map(name):
 POSITIONS = [0.0, np.pi, np.pi / 2, 1.0, -1.0, 0.3, 2.0 * np.pi]
 #: Small whole numbers meet in change points, kites and folded positions; zeros where the rule allows them.
 NUMBERS = {"any": [0.0, 1.0, -1.0, 2.0, 0.5]}
-DRIVEN = [(mechanism, input) for mechanism in NAMES for input in inputs_of(mechanism)]
 
 
 def drawn(mechanism, known, rng):
@@ -189,13 +189,16 @@ def drawn(mechanism, known, rng):
     }
 
 
-def assert_same_alone(mechanism, variants, n, rng):
-    known, position = mechanism.known_inputs(variants), mechanism.position.name
+@pytest.mark.sample(3)
+@EVERY
+def test_every_quantity_alone_is_as_in_an_array(mechanism, input):
+    mechanism, rng = catalogue(mechanism, input), np.random.default_rng(3)
+    known, position = mechanism.known_inputs(()), mechanism.position.name
     tables = (position, *mechanism.tables, *mechanism.table_low_parts)
     names = [name for name in mechanism.public if not mechanism.public[name].flags]
-    bounds = [] if "dense" in variants else [f"{name}_error" for name in names]
-    steps = list(mechanism.dependencies([*mechanism.public, *bounds], {*known, *tables, "branch"}, variants))
-    for _ in range(n):
+    bounds = [f"{name}_error" for name in names]
+    steps = list(mechanism.dependencies([*mechanism.public, *bounds], {*known, *tables, "branch"}))
+    for _ in range(5):
         values = drawn(mechanism, known, rng)
         tabled = angle_tables(mechanism, tables, np.array([values[position]]))
         values |= zip(tables, tabled[:, 0], strict=True)
@@ -205,16 +208,7 @@ def assert_same_alone(mechanism, variants, n, rng):
         evaluate_on_doubles(steps, together)
         for step in steps:
             for name in step.names:
-                np.testing.assert_array_equal(
-                    np.ravel(alone[name]), np.ravel(together[name]), f"{name} {values}"
-                )
-
-
-@pytest.mark.sample(3)
-@pytest.mark.parametrize(("mechanism", "input"), DRIVEN)
-def test_every_quantity_alone_is_as_in_an_array(mechanism, input):
-    rng = np.random.default_rng(3)
-    assert_same_alone(catalogue(mechanism, input), (), 5, rng)
+                assert_array_equal(np.ravel(alone[name]), np.ravel(together[name]), f"{name} {values}")
 
 
 @pytest.mark.parametrize(
@@ -229,7 +223,7 @@ def test_evaluate_returns_what_an_array_has(mechanism, name, inputs):
     (together,) = fl.evaluate(
         mechanism, [name], **{**inputs, next(iter(inputs)): [next(iter(inputs.values()))]}
     )[name]
-    np.testing.assert_array_equal(alone, together)
+    assert_array_equal(alone, together)
     assert not np.isfinite(alone)
 
 
@@ -266,12 +260,7 @@ def test_the_file_has_the_same_labels(tmp_path, both):
         assert "assembly mode" in contents(one)
 
 
-def test_what_does_not_depend_on_the_assembly_mode_has_none():
-    found = fl.sweep("planar_4r", SPACE, ["grashof_class"], branch=2)
-    assert "branch" not in found.coords
-
-
-def test_functions_of_maps_take_one_assembly_mode():
+def test_functions_of_maps_take_one_assembly_mode_and_what_has_none_has_no_label():
     bars = fl.round_bar(density=7750.0, radius=0.01)
     names = ["T41_fluctuation"]
     one = fl.sweep("planar_4r", SPACE, names, links=bars, branch=1)
@@ -284,3 +273,5 @@ def test_functions_of_maps_take_one_assembly_mode():
     one = fl.sweep("focal", chebyshev, ["T_x", "T_y"], branch=1, **options)
     several = sweep_both("focal", chebyshev, ["T_x", "T_y"], **options)
     xr.testing.assert_equal(fl.focal.T_deviation(one), fl.focal.T_deviation(several).sel(branch=1))
+    found = fl.sweep("planar_4r", SPACE, ["grashof_class"], branch=2)
+    assert "branch" not in found.coords

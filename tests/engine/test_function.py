@@ -10,25 +10,25 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
+from tests.support.sweeps import BARS
 
 import fastlink as fl
 
-BAR = fl.round_bar(density=7750.0, radius=0.01)
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
 #: Crank-rockers, open chains and change points.
 LENGTHS = np.random.default_rng(3).uniform(0.5, 1.5, (2, 150))
 LENGTHS[:, :3] = [[1.0, 0.6, 1.6], [0.4, 1.0, 1.0]]
 REQUESTS = {
-    "refined": (["omega4_max", "theta1_at_omega4_max", "shaking_force_max"], {"links": BAR}),
-    "sampled": (["omega4_max", "T41_rms", "status"], {"links": BAR, "extrema": "sampled", "theta1": 90}),
+    "refined": (["omega4_max", "theta1_at_omega4_max", "shaking_force_max"], {"links": BARS}),
+    "sampled": (["omega4_max", "T41_rms", "status"], {"links": BARS, "extrema": "sampled", "theta1": 90}),
     "both": (
         ["omega4_mean", "transmission_angle_min", "status"],
         {"theta1": [0.1, 0.2, 0.7], "extrema": "sampled"},
     ),
     "curve": (["omega4", "status"], {"theta1": 40}),
     "list": (["omega4_extrema", "omega4_extrema_count"], {}),
-    "dense": (["T41_max"], {"links": BAR, "solver": "dense", "extrema": "sampled", "theta1": 12}),
-    "load": (["T41_max"], {"links": BAR, "gravity_y": -9.81}),
+    "dense": (["T41_max"], {"links": BARS, "solver": "dense", "extrema": "sampled", "theta1": 12}),
+    "load": (["T41_max"], {"links": BARS, "gravity_y": -9.81}),
 }
 
 
@@ -53,7 +53,7 @@ def test_a_function_has_the_bits_of_a_sweep(request_name, branch):
             expected = expected.expand_dims(branch=len(branch), axis=1)
         values = expected.values
         values = values.reshape(*values.shape, *[1] * (row.ndim - values.ndim))
-        np.testing.assert_array_equal(row, np.broadcast_to(values, row.shape))
+        assert_array_equal(row, np.broadcast_to(values, row.shape))
 
 
 @pytest.mark.parametrize("request_name", REQUESTS)
@@ -62,14 +62,19 @@ def test_one_design_has_the_bits_of_many(request_name):
     function = fl.function("planar_4r", ["a2", "a3"], names, **FIXED, **options)
     together = function(LENGTHS)
     for k in (0, 1, 2, 149):
-        np.testing.assert_array_equal(function(LENGTHS[:, k]), together[:, k])
+        assert_array_equal(function(LENGTHS[:, k]), together[:, k])
 
 
-def test_more_designs_than_a_block_are_computed():
+def test_any_number_of_designs_on_any_threads_has_the_bits_of_one_call():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     many = np.tile(LENGTHS, 17)
-    np.testing.assert_array_equal(function(many), np.tile(function(LENGTHS), 17))
+    assert_array_equal(function(many), np.tile(function(LENGTHS), 17))
     assert function(np.empty((2, 0))).shape == (1, 0)
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
+    expected = function(LENGTHS)
+    with ThreadPoolExecutor(8) as pool:
+        for k, outputs in enumerate(pool.map(lambda k: function(LENGTHS[:, k % 150]), range(1200))):
+            assert_array_equal(outputs, expected[:, k % 150])
 
 
 def test_impossible_values_give_nan_and_change_nothing_else():
@@ -82,33 +87,25 @@ def test_impossible_values_give_nan_and_change_nothing_else():
     for k, (row, value) in enumerate([(0, np.nan), (0, -1.0), (1, 0.0), (2, -1.0), (2, np.inf)]):
         bad[row, k] = value
     outputs = function(bad)
-    np.testing.assert_array_equal(np.isnan(outputs[0]), [True] * 5 + [False] * 2)
-    np.testing.assert_array_equal(outputs[1], [4, 4, 4, 0, 0, 0, 0])
+    assert_array_equal(np.isnan(outputs[0]), [True] * 5 + [False] * 2)
+    assert_array_equal(outputs[1], [4, 4, 4, 0, 0, 0, 0])
     assert all(np.isnan(function(bad[:, k])[0]) for k in range(5))
-    np.testing.assert_array_equal(outputs[:, 5], function(good))
+    assert_array_equal(outputs[:, 5], function(good))
 
 
 @pytest.mark.parametrize("backend", ["llvm", "numba"])
 def test_backends_have_the_same_bits(backend):
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4"], theta1=40, backend=backend, **FIXED)
-    np.testing.assert_array_equal(function(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4)
-
-
-def test_threads_share_nothing():
-    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max", "transmission_angle_min"], **FIXED)
-    expected = function(LENGTHS)
-    with ThreadPoolExecutor(8) as pool:
-        for k, outputs in enumerate(pool.map(lambda k: function(LENGTHS[:, k % 150]), range(1200))):
-            np.testing.assert_array_equal(outputs, expected[:, k % 150])
+    assert_array_equal(function(LENGTHS)[0], swept(["omega4"], branch=1, theta1=40).omega4)
 
 
 def test_a_pickled_function_is_the_same():
     function = fl.function(
-        "planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, branch=(1, 2), **FIXED
+        "planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BARS, branch=(1, 2), **FIXED
     )
     again = pickle.loads(pickle.dumps(function))
     assert (again.inputs, again.quantities, again.shape) == (("a2", "a3"), ("shaking_force_max",), (2,))
-    np.testing.assert_array_equal(again(LENGTHS), function(LENGTHS))
+    assert_array_equal(again(LENGTHS), function(LENGTHS))
 
 
 @pytest.mark.parametrize(
@@ -130,19 +127,15 @@ def test_wrong_requests_are_refused(inputs, outputs, options, key, remedy):
         fl.function("planar_4r", inputs, outputs, **options)
 
 
-def test_a_choice_is_to_be_made():
-    with refused("completion", "one of 1"):
-        fl.function("focal", ["b"], ["T_x"], a=1.0, c=1.1, d=1.4, rho=0.5)
-
-
-def test_an_argument_of_another_shape_is_refused():
+def test_wrong_arguments_and_choices_that_are_open_are_refused():
     function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
     for wrong in (1.0, [1.0], np.ones((3, 2))):
         with refused("x", "2 rows: a2, a3"):
             function(wrong)
-
-
-def test_what_is_wrong_with_inputs_and_outputs_is_told_together():
+    with refused("x has the shape", "its first axis has 2 rows: a2, a3"):
+        made().gradient([1.2, 0.8, 1.0])
+    with refused("completion", "one of 1"):
+        fl.function("focal", ["b"], ["T_x"], a=1.0, c=1.1, d=1.4, rho=0.5)
     with pytest.raises(fl.InputError) as caught:
         fl.function("planar_4r", ["a9"], ["omega9_max"], a1=0.4, alpha9=1.0, solver="x")
     where = sorted(str(one.where) for one in caught.value.problems)
@@ -185,13 +178,10 @@ def test_it_has_the_bits_of_a_sweep():
     assert_array_equal(pickle.loads(pickle.dumps(made())).gradient(x), found)
 
 
-def test_quantities_have_the_axes_of_the_function():
+def test_axes_are_those_of_the_function_and_what_does_not_depend_on_an_input_has_the_derivative_zero():
     curves = made(["omega4", "B_x"], theta1=[0.1, 0.2, 0.3], branch=[1, 2])
     assert curves.gradient([1.2, 0.8]).shape == (2, 2, 2, 3)
     assert curves.gradient([[1.2] * 5, [0.8] * 5]).shape == (2, 2, 5, 2, 3)
-
-
-def test_what_does_not_depend_on_an_input_has_the_derivative_zero():
     both = made(["transmission_angle_min", "theta1_at_B_x_max"], ["a2", "a3", "P_u"])
     found = both.gradient([1.2, 0.8, 0.3])
     assert (found[:, :2] != 0.0).all()
@@ -219,11 +209,6 @@ def test_what_has_no_derivative_is_refused(name):
         made(["omega4_max", name]).gradient([1.2, 0.8])
 
 
-def test_a_wrong_shape_is_refused():
-    with refused("x has the shape", "its first axis has 2 rows: a2, a3"):
-        made().gradient([1.2, 0.8, 1.0])
-
-
 # == Functions that numba's compiled code calls: the same bits, nothing compiled twice, nothing shared =======
 
 ROWS = LENGTHS.copy()
@@ -234,12 +219,12 @@ FAR = ROWS * np.where(np.arange(150) == 9, 2.0**100, 1.0)
 
 def assert_jitted_has_the_bits(function):
     jitted, together = function.jitted, function(ROWS)
-    np.testing.assert_array_equal(jitted(ROWS), together)
-    np.testing.assert_array_equal(jitted(ROWS[:, 7]), together[:, 7])
-    np.testing.assert_array_equal(jitted(FAR), function(FAR))
+    assert_array_equal(jitted(ROWS), together)
+    assert_array_equal(jitted(ROWS[:, 7]), together[:, 7])
+    assert_array_equal(jitted(FAR), function(FAR))
     with ThreadPoolExecutor(4) as pool:
         for result in pool.map(lambda _: jitted(ROWS), range(40)):
-            np.testing.assert_array_equal(result, together)
+            assert_array_equal(result, together)
 
 
 @pytest.mark.stress
@@ -247,7 +232,7 @@ def assert_jitted_has_the_bits(function):
     ("names", "options"),
     [
         (["omega4", "status"], {"theta1": 40}),
-        (["omega4_max", "shaking_force_max", "status"], {"links": BAR, "branch": (2, 1)}),
+        (["omega4_max", "shaking_force_max", "status"], {"links": BARS, "branch": (2, 1)}),
     ],
 )
 def test_a_jitted_function_has_the_bits_of_the_function(names, options):
@@ -260,8 +245,8 @@ def test_choices_are_checked():
         "focal", ["completion", "b"], ["status", "m", "grashof_excess"], a=5.0, c=2.0, d=4.0, rho=1.0
     )
     x = np.array([[1.0, 2.0, 9.0, 1.5], [5.0] * 4])
-    np.testing.assert_array_equal(function.jitted(x), function(x))
-    np.testing.assert_array_equal(np.isnan(function(x)[1]), [False, False, True, True])
+    assert_array_equal(function.jitted(x), function(x))
+    assert_array_equal(np.isnan(function(x)[1]), [False, False, True, True])
 
 
 def test_a_design_loop_in_numba_and_rows_that_it_has_not():

@@ -23,13 +23,8 @@ from fastlink.io.checksums import Stored, read_seal
 from fastlink.io.writer import Writer
 
 #: What a joined map says of its making, and a sweep otherwise.
-OF_MAKING = {
-    "run_time_s",
-    "set_up_time_s",
-    "designs_per_second",
-    "configurations_per_second",
-    "written_time_ns",
-}
+OF_MAKING = {"run_time_s", "set_up_time_s", "designs_per_second"}
+OF_MAKING |= {"configurations_per_second", "written_time_ns"}
 OF_MAKING |= {"history", "threads", "joined_parts", "core_time_s", "verify_time_s"}
 OF_MAKING |= {"verified_designs", "designs_of_earlier_runs"}
 #: More than a block of a megabyte in each part.
@@ -117,8 +112,6 @@ def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
         assert "of 3 parts together" in joined.fastlink.summary()
     assert "2/3: designs 11 to 22 of 35" in parts[1].fastlink.summary()
 
-
-# --- without a copy --------------------------------------------------------------------------------
 
 #: Sixteen parts of several blocks, whose borders cut rows of both axes.
 SIXTEEN = (*LARGE, {"theta1": 6})
@@ -272,8 +265,6 @@ def test_what_cannot_be_shown_is_refused_before_anything_is_written(tmp_path, gr
         joined_to(tmp_path, grid_parts, overwrite=True)
 
 
-# --- on the way ------------------------------------------------------------------------------------
-
 #: Six processes at once, one of which is killed.
 PROCESSES = """
 import os, signal, sys, time
@@ -347,9 +338,6 @@ def test_a_join_that_is_interrupted_goes_on(tmp_path, monkeypatch):
         assert_same(joined, sweep("grid", to=tmp_path / "whole.h5"))
 
 
-# --- what is refused -------------------------------------------------------------------------------
-
-
 @pytest.fixture(scope="module")
 def parts_of_grid(tmp_path_factory):
     return parts_of("grid", tmp_path_factory.mktemp("grid"))
@@ -409,22 +397,20 @@ def test_what_is_no_part_is_refused(tmp_path, grid_parts):
     joined_to(tmp_path, tmp_path).close()  # in a folder, others are passed over
 
 
-def test_a_damaged_part_is_refused_by_name_and_its_new_run_joined(tmp_path, monkeypatch):
+def test_damaged_parts_labels_and_marks_are_refused_and_a_new_run_joined(tmp_path, monkeypatch, grid_parts):
     monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
-    of = (*LARGE, {"theta1": 72})
-    paths = parts_of(of, tmp_path)
+    folder, of = tmp_path / "large", (*LARGE, {"theta1": 72})
+    folder.mkdir()
+    paths = parts_of(of, folder)
     with h5py.File(paths[2], "r") as file:
         place = Stored.of(file).values["theta4"]
     flip(paths[2], place.offset + place.nbytes - 3)
     with refused("maps.part-3-of-3.h5", "run that part again"):
-        joined_to(tmp_path, paths, copy=True)
-    assert not (tmp_path / "maps.h5").exists()
+        joined_to(folder, paths, copy=True)
+    assert not (folder / "maps.h5").exists()
     sweep(of, part=(3, 3), to=paths[2], overwrite=True).close()
-    with joined_to(tmp_path, paths, copy=True) as joined:
-        assert_same(joined, sweep(of, to=tmp_path / "whole.h5"))
-
-
-def test_damaged_labels_and_marks_are_refused(tmp_path, grid_parts):
+    with joined_to(folder, paths, copy=True) as joined:
+        assert_same(joined, sweep(of, to=folder / "whole.h5"))
     content = grid_parts[1].read_bytes()
     for text in (b"part_number", b"Euclidean", b"whole_fingerprint"):
         flip(grid_parts[1], content.index(text) + 2)

@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 import pytest
-from tests.support.sweeps import sweep_4r
+from numpy.testing import assert_array_equal
+from tests.support.sweeps import TURNING, sweep_4r
 
 import fastlink as fl
 from fastlink.errors import InputError
 from fastlink.facts.powers import limits
 from fastlink.mechanisms import NAMES, catalogue
 
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 MOST, LEAST = 2.0**80, 2.0**-80
 #: A column of each input whose first, third and last values are allowed, and the others beyond the range.
 COLUMNS = {
@@ -23,7 +23,7 @@ COLUMNS = {
 FAR = np.array([False, True, False, True, False])
 MASSES = {f"{name}{bar}": 0.1 for bar in (1, 2, 3) for name in "mI"}
 MASSES |= {f"G{bar}_{axis}": 0.1 for bar in (1, 2, 3) for axis in "uv"}
-GIVEN = DESIGN | MASSES | {"P_u": 0.1, "P_v": 0.2}
+GIVEN = TURNING | MASSES | {"P_u": 0.1, "P_v": 0.2}
 OUTPUTS = ["status", "F32_max", "omega4_max", "P_x_max", "omega4_extrema_count", "grashof_class"]
 
 
@@ -33,7 +33,7 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
     values = np.array(COLUMNS[name])
     found = sweep_4r(fl.table({name: values} | {k: v for k, v in GIVEN.items() if k != name}), OUTPUTS)
     meanings = found.status.attrs["flag_meanings"].split()
-    np.testing.assert_array_equal(found.status == meanings.index("beyond_range"), FAR)
+    assert_array_equal(found.status == meanings.index("beyond_range"), FAR)
     assert found.attrs["designs_beyond_range"] == 2
     for output in ("F32_max", "omega4_max", "P_x_max"):
         assert np.isnan(found[output].values[FAR]).all()
@@ -43,39 +43,36 @@ def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
     for k, value in enumerate(values):
         one = sweep_4r(GIVEN | {name: float(value)}, OUTPUTS, allow_invalid=True)
         for output in OUTPUTS:
-            np.testing.assert_array_equal(found[output].values[k], one[output].values, err_msg=output)
+            assert_array_equal(found[output].values[k], one[output].values, err_msg=output)
         numbers = ["status", "F32_max", "omega4_max", "P_x_max"]
         rows = dict(zip(OUTPUTS, function(values[k : k + 1]), strict=True))
         for output in numbers:
-            np.testing.assert_array_equal(rows[output], one[output].values + np.zeros(2), err_msg=output)
-        np.testing.assert_array_equal(function(values[None])[:, k], function(values[k : k + 1]))
+            assert_array_equal(rows[output], one[output].values + np.zeros(2), err_msg=output)
+        assert_array_equal(function(values[None])[:, k], function(values[k : k + 1]))
         if FAR[k]:
             with pytest.raises(InputError, match=r"write (0 or )?a magnitude (of|below)"):
                 sweep_4r(GIVEN | {name: float(value)}, OUTPUTS)
     given = {"theta1": 1.0, **GIVEN, name: values}
     allowed = fl.evaluate("planar_4r", ["status", "F32"], allow_invalid=True, **given)
-    np.testing.assert_array_equal(allowed["status"], found.status)
-    np.testing.assert_array_equal(np.isnan(allowed["F32"]), found.status != 0)
+    assert_array_equal(allowed["status"], found.status)
+    assert_array_equal(np.isnan(allowed["F32"]), found.status != 0)
     with pytest.raises(InputError, match=rf"{name}\[1\] is .* a magnitude (of|below) .*allow_invalid=True"):
         fl.evaluate("planar_4r", ["status"], **given)
 
 
-def test_axes_columns_by_number_and_fixed_values():
+def test_designs_of_tables_axes_and_fixed_values_are_flagged(tmp_path):
     speeds = [1e-100, 1.0, 2.0]
-    swept = sweep_4r(fl.grid(**DESIGN | {"omega1": speeds}), ["omega4_max"])
+    swept = sweep_4r(fl.grid(**TURNING | {"omega1": speeds}), ["omega4_max"])
     assert "scaling_axis" not in swept.attrs
-    np.testing.assert_array_equal(np.isnan(swept.omega4_max).all("branch"), [True, False, False])
-    sampled = fl.sobol(a2=(1.0, 2.0**82), n=64, seed=1, **{k: v for k, v in DESIGN.items() if k != "a2"})
+    assert_array_equal(np.isnan(swept.omega4_max).all("branch"), [True, False, False])
+    sampled = fl.sobol(a2=(1.0, 2.0**82), n=64, seed=1, **{k: v for k, v in TURNING.items() if k != "a2"})
     found = sweep_4r(sampled, ["omega4_max"])
-    np.testing.assert_array_equal(found.status == 6, found.a2 >= MOST)
+    assert_array_equal(found.status == 6, found.a2 >= MOST)
     with pytest.raises(InputError, match=r"a1 is 1e-200 .*write a magnitude of 8.3e-25 to 1.2e\+24 m"):
         fl.function("planar_4r", ["a2"], ["omega4_max"], a1=1e-200, a3=0.8, a4=1.0, omega1=25.0)
     with pytest.raises(InputError, match=r"links: density is 1e\+100"):
-        sweep_4r(DESIGN, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01))
-
-
-def test_verification_leaves_them_out(tmp_path):
-    table = fl.table(DESIGN | {"a2": [1.2, 1e100, 1.3]})
+        sweep_4r(TURNING, ["F32_max"], links=fl.round_bar(density=1e100, radius=0.01))
+    table = fl.table(TURNING | {"a2": [1.2, 1e100, 1.3]})
     found = sweep_4r(table, ["omega4_max"], to=tmp_path / "map.h5", verify=3)
     assert found.attrs["verified_designs"] == 2
     assert found.omega4_max.attrs["verify_mismatches"] == 0

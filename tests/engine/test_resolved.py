@@ -1,16 +1,11 @@
 """Resolved requests: which are kept, what they need, and how they travel."""
 
-from __future__ import annotations
-
 import multiprocessing
 import operator
 import pickle
 import tracemalloc
-from collections.abc import Callable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
 from dataclasses import replace
-from typing import Any
 
 import cloudpickle
 import numpy as np
@@ -18,7 +13,7 @@ import pytest
 from tests.support.configurations import PLANAR
 from tests.support.refusals import assert_refusal, refused
 from tests.support.registry import ENTRIES
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, CRANK, sweep_4r
 from tests.support.toys import add, toy
 
 import fastlink as fl
@@ -37,43 +32,32 @@ from fastlink.mechanisms.planar_4r import planar_4r
 class _ByValue:
     """A function that is pickled as the bytes that cloudpickle makes of it."""
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function):
         self.data = cloudpickle.dumps(function)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self):
         return cloudpickle.loads, (self.data,)
-
-
-@contextmanager
-def other_process() -> Iterator[Callable[..., Any]]:
-    """Give ``run(function, *args)``, which calls a function in one fresh process."""
-    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        yield lambda function, *args: pool.submit(operator.call, _ByValue(function), *args).result()
 
 
 # == What is resolved, compiled or made by fastlink travels to other processes: pickle, cloudpickle, joblib, dask, ray
 
 LENGTHS = {"a1": 0.4, "a2": [1.1, 1.2, 1.3], "a3": 0.8, "a4": 1.0, "omega1": [5.0, 25.0]}
 FIXED = {"a1": 0.4, "a4": 1.0, "omega1": 25.0}
-BAR = fl.round_bar(density=7750.0, radius=0.01)
 PICKLERS = pytest.mark.parametrize("pickler", [pickle, cloudpickle], ids=["pickle", "cloudpickle"])
 
 
 @pytest.fixture(scope="module")
 def elsewhere():
-    with other_process() as run_there:
-        yield run_there
-
-
-def bits(arrays):
-    return [array.tobytes() for array in arrays]
+    """Give ``run(function, *args)``, which calls a function in one fresh process."""
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        yield lambda function, *args: pool.submit(operator.call, _ByValue(function), *args).result()
 
 
 def results(resolved):
     job = resolved.job()
     arrays = [np.zeros((job.size, *shape), dtype) for shape, dtype in job.shapes]
     run(job, targets=arrays)
-    return bits(arrays)
+    return [array.tobytes() for array in arrays]
 
 
 def of_pickled_job(data):
@@ -94,7 +78,7 @@ def of_pickled_job(data):
     ("quantities", "options"),
     [
         (["omega4", "transmission_angle_max"], {}),
-        (["shaking_force_max"], {"links": BAR, "branch": 2, "solver": "dense"}),
+        (["shaking_force_max"], {"links": BARS, "branch": 2, "solver": "dense"}),
     ],
     ids=["values and extremes", "forces"],
 )
@@ -124,14 +108,14 @@ def test_every_plan_is_made_again_from_its_names(mechanism, input):
 
 @PICKLERS
 def test_designs_links_and_functions_travel(elsewhere, pickler):
-    function = fl.function("planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BAR, **FIXED)
+    function = fl.function("planar_4r", ["a2", "a3"], ["shaking_force_max"], links=BARS, **FIXED)
     spaces = [
         fl.grid(**LENGTHS),
         fl.sobol(8, seed=3, a1=(0.5, 1.5), a2=2.0),
         fl.latin_hypercube(8, seed=3, a1=(0.5, 1.5)),
         fl.table({"a1": [0.5, 0.7], "part": ["one", "two"]}),
     ]
-    data = pickler.dumps([function, BAR, *spaces])
+    data = pickler.dumps([function, BARS, *spaces])
 
     def look(data):
         import pickle
@@ -143,21 +127,18 @@ def test_designs_links_and_functions_travel(elsewhere, pickler):
         return repr(bar), function(np.array([1.2, 0.8])).tobytes(), values
 
     expected = [space.values(name).tobytes() for space in spaces for name in space.names]
-    assert elsewhere(look, data) == (repr(BAR), function(np.array([1.2, 0.8])).tobytes(), expected)
+    assert elsewhere(look, data) == (repr(BARS), function(np.array([1.2, 0.8])).tobytes(), expected)
 
 
-def test_a_jitted_function_travels_without_its_addresses(elsewhere):
-    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
-    x = np.array([1.2, 0.8])
-    data = cloudpickle.dumps(function.jitted)
-    assert elsewhere(lambda data, x: __import__("pickle").loads(data)(x), data, x) == function(x)
-
-
-def test_every_public_name_travels():
+def test_public_names_and_jitted_functions_travel(elsewhere):
     for name in fl.__all__:
         value = getattr(fl, name)
         again = cloudpickle.loads(cloudpickle.dumps(lambda value=value: value))()
         assert again is value or (again == value and isinstance(value, str)), name
+    function = fl.function("planar_4r", ["a2", "a3"], ["omega4_max"], **FIXED)
+    x = np.array([1.2, 0.8])
+    data = cloudpickle.dumps(function.jitted)
+    assert elsewhere(lambda data, x: __import__("pickle").loads(data)(x), data, x) == function(x)
 
 
 def test_a_quantity_that_is_declared_otherwise_there_is_refused(elsewhere):
@@ -190,19 +171,18 @@ def test_a_quantity_that_is_declared_otherwise_there_is_refused(elsewhere):
 
 # == Plans are found once, whatever the values are, and anew when what is declared is another thing ==========
 
-LENGTHS_KEPT = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
 NAMES_KEPT = ["omega4_max", "theta2"]
 
 
-def plan_of(names=NAMES_KEPT, lengths=LENGTHS_KEPT, **options):
+def plan_of(names=NAMES_KEPT, lengths=CRANK, **options):
     return resolve("planar_4r", fl.grid(**lengths, omega1=25.0), names, **{"branch": (1, 2)} | options).plan
 
 
 @pytest.mark.parametrize(
     "other",
     [
-        {"lengths": LENGTHS_KEPT | {"a2": 1.3}},
-        {"lengths": LENGTHS_KEPT | {"a2": [1.1, 1.3]}},
+        {"lengths": CRANK | {"a2": 1.3}},
+        {"lengths": CRANK | {"a2": [1.1, 1.3]}},
         {"theta1": 90},
         {"names": tuple(NAMES_KEPT)},
         {"backend": "numba"},
@@ -224,10 +204,10 @@ def test_values_have_no_part_in_a_plan(other):
         {"extrema": "sampled"},
         {"branch": (2, 1)},
         {"branch": 1},
-        {"links": BAR},
+        {"links": BARS},
         {"solver": "dense"},
-        {"lengths": LENGTHS_KEPT | {"gravity_y": -9.81}},
-        {"input": "joint_angle_1", "lengths": LENGTHS_KEPT, "names": ["status"]},
+        {"lengths": CRANK | {"gravity_y": -9.81}},
+        {"input": "joint_angle_1", "lengths": CRANK, "names": ["status"]},
     ],
     ids=str,
 )
@@ -269,17 +249,15 @@ def test_what_is_declared_anew_is_planned_anew():
     assert second.version == second.version
 
 
-def test_a_changed_plan_has_a_text_of_its_own():
+def test_a_changed_plan_has_a_text_of_its_own_and_threads_may_ask_at_once():
     (program, *_) = plan_of(["omega4_mean"]).programs
     kernel, other = kernel_of(program), kernel_of(replace(program, branches=(1,)))
     assert kernel_of(program) is kernel
     assert other.text != kernel.text
     assert other.key != kernel.key
 
-
-def test_threads_may_ask_at_once():
     def ask(k):
-        lengths = LENGTHS_KEPT | {"a2": 1.2 + 0.001 * (k % 7)}
+        lengths = CRANK | {"a2": 1.2 + 0.001 * (k % 7)}
         maps = sweep_4r(fl.grid(**lengths, omega1=25.0), ["omega4_max"], threads=1)
         return k % 7, maps.omega4_max.values.tolist()
 
@@ -305,7 +283,7 @@ def test_one_design_is_labelled_like_one_of_many():
 
 
 def test_what_users_do_to_a_result_stays_there():
-    space = fl.grid(**LENGTHS_KEPT, omega1=25.0)
+    space = fl.grid(**CRANK, omega1=25.0)
     first = sweep_4r(space, ["omega4_max"])
     expected = sweep_4r(space, ["omega4_max"])
     first.omega4_max.values[:] = 0.0
@@ -323,7 +301,7 @@ def test_what_users_do_to_a_result_stays_there():
 
 @pytest.mark.parametrize("backend", ["llvm", "numba"])
 def test_a_map_says_what_compiled_it(backend, monkeypatch):
-    space = fl.grid(**LENGTHS_KEPT, omega1=25.0)
+    space = fl.grid(**CRANK, omega1=25.0)
     maps = sweep_4r(space, ["status"], backend=backend)
     assert maps.backend == backend
     assert ("numba " in maps.source) == (backend == "numba")
@@ -334,7 +312,7 @@ def test_a_map_says_what_compiled_it(backend, monkeypatch):
 
 def test_a_closure_is_found_anew_when_facts_change():
     planar = PLANAR
-    given = LENGTHS_KEPT | {"theta1": 0.3, "omega1": 25.0}
+    given = CRANK | {"theta1": 0.3, "omega1": 25.0}
     before = evaluate("planar_4r", ["omega4"], **given)
     fact = planar.facts["omega4"]
     planar.facts["omega4"] = replace(planar.facts["omega2"], name="omega4")
@@ -383,32 +361,24 @@ def wide(**axes):
     return fl.grid(**{**LENGTHS_NEEDS, **{name: np.linspace(0.7, 1.2, n) for name, n in axes.items()}})
 
 
-def test_a_result_that_does_not_fit_names_the_file_before_anything_is_compiled(small_machine, monkeypatch):
+def test_what_does_not_fit_is_refused_with_the_remedy_before_anything_is_compiled(
+    small_machine, monkeypatch, tmp_path
+):
+    function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
+    with refused("the result", "pass fewer designs at once"):
+        function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
     monkeypatch.setattr(Kernel, "compiled", lambda *_: pytest.fail("compiled"))
     # theta4 in two modes at 360 angles: 5.8 kB a design
     with refused("the result", "write it to a file with to='maps.h5'"):
         sweep_4r(wide(a2=200, a3=200), ["theta4"])
     with refused("the result", "to='maps.h5'"):  # far more than any address: nothing overflows
         sweep_4r(wide(a1=2**15, a2=2**15, a3=2**15, a4=2**10), ["theta4"])
-
-
-def test_what_fits_is_not_refused(small_machine, tmp_path):
-    assert sweep_4r(wide(a2=20, a3=20), ["theta4"]).theta4.shape == (20, 20, 2, 360)
-    space = wide(a2=400, a3=400)
-    with sweep_4r(space, ["swing"], to=tmp_path / "maps.h5", verify=0) as maps:
-        assert maps.swing.shape == (400, 400)
-
-
-def test_positions_and_verified_designs_beyond_memory_are_refused_with_a_file_too(small_machine, tmp_path):
     many = {"to": tmp_path / "maps.h5", "theta1": np.linspace(0.0, 6.0, 3_000_000)}
     with refused("a sweep of so many input positions", "ask for fewer"):
         sweep_4r(wide(), ["theta4"], **many)
     with refused("a sweep of so many input positions", "ask for fewer"):
         sweep_4r(wide(a2=2000, a3=2000), ["theta4"], to=tmp_path / "maps.h5", verify=10**5)
     assert list(tmp_path.iterdir()) == []
-
-
-def test_samples_need_no_memory_until_they_are_looked_at(small_machine):
     for sample in (fl.sobol, fl.latin_hypercube):
         space = sample(2**30, a1=(0.1, 0.4), a2=1.2, a3=0.8, a4=1.0)
         with refused("an array of 1,073,741,824 values", "read a part of it"):
@@ -417,10 +387,11 @@ def test_samples_need_no_memory_until_they_are_looked_at(small_machine):
             sweep_4r(space, ["swing"])
 
 
-def test_a_function_of_too_many_designs_is_refused(small_machine):
-    function = fl.function("planar_4r", ["a2"], ["swing"], a1=0.4, a3=0.8, a4=1.0)
-    with refused("the result", "pass fewer designs at once"):
-        function(np.broadcast_to(1.1, (1, 10**5, 10**4)))
+def test_what_fits_is_not_refused(small_machine, tmp_path):
+    assert sweep_4r(wide(a2=20, a3=20), ["theta4"]).theta4.shape == (20, 20, 2, 360)
+    space = wide(a2=400, a3=400)
+    with sweep_4r(space, ["swing"], to=tmp_path / "maps.h5", verify=0) as maps:
+        assert maps.swing.shape == (400, 400)
 
 
 @pytest.mark.parametrize(

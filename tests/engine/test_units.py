@@ -1,7 +1,5 @@
 """Units of a designer's own, by names such as a1_mm: the same bits as in SI at every door, and the same refusals."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from fractions import Fraction
@@ -15,7 +13,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import assert_refusal, refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, TURNING, sweep_4r, sweep_both
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -38,11 +36,7 @@ from fastlink.space.units import (
 
 CURVE = {"P_u": 0.5, "P_v": 0.1, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 REST = {"a2": 1.1, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-BARS = fl.round_bar(density=7750.0, radius=0.01)
 FORCES = ["shaking_force_max", "omega4_max"]
-
-
-# -- The table of units
 
 
 PAIRS = [("mm", "m"), ("in", "m"), ("lb", "kg"), ("g_cm3", "kg m-3"), ("kg_mm2", "kg m2"), ("mm/s", "m s-1")]
@@ -87,9 +81,6 @@ def test_every_unit_of_the_catalogues_is_read_and_every_name_is_split_again():
                 assert split(with_unit(of, text), known) == (of, written)
     assert len(UNITS) == sum(len(texts.split()) for texts, *_ in TABLE)
     assert all(factor_of(usual, units) for units, (_, usual) in KINDS.items())
-
-
-# -- Every door that takes inputs by name
 
 
 def study(folder, inputs, tables=""):
@@ -285,9 +276,6 @@ def test_a_text_with_a_unit_is_refused_with_the_name_to_write():
         fl.grid(a1="40 furlongs", **REST)
 
 
-# -- Labels, heads of columns, conditions, and results in other units
-
-
 AXES = fl.grid(a1=[0.3, 0.4, 0.5], a2=1.1, a3=[0.7, 0.8], a4=1.0, omega1=25.0, P_u=0.5, P_v=0.1)
 
 
@@ -432,9 +420,6 @@ def test_results_in_other_units(maps, monkeypatch):
     assert given.astype("float32").shaking_force_max.fastlink.convert("kN").dtype == np.float32
 
 
-# -- Studies, and what looks like millimetres
-
-
 STUDY = """
 mechanism = "planar_4r"
 quantities = ["omega4_max", "shaking_force_max"]
@@ -534,8 +519,7 @@ def test_lengths_that_look_like_millimetres_get_a_remark():
 
 # == Angles in degrees, by names that end in _deg, at every door; and remarks on angles that look like degrees
 
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-FIXED = {name: value for name, value in DESIGN.items() if name != "a4"}
+FIXED = {name: value for name, value in TURNING.items() if name != "a4"}
 WEIGHT = {"counterweight1_mass": 1.0, "counterweight1_radius": 0.1}
 ANGLES = [0.0, 40.0, 80.0, 180.0]
 
@@ -549,7 +533,7 @@ def exact(degrees):
         return float(mp.mpf(degrees) * mp.pi / 180)
 
 
-def test_degrees_are_rounded_once():
+def test_degrees_of_inputs_are_rounded_once():
     """The sum of two doubles has pi/180 to 2^-106; the chance that a product is rounded otherwise is 2^-50 each."""
     rng = np.random.default_rng(1)
     values = [*range(-720, 721), *rng.uniform(-400, 400, 2000), 1e-300, 5e-324, 1e15, 1e300, 1.7e308, 0.1]
@@ -559,12 +543,20 @@ def test_degrees_are_rounded_once():
     assert_array_equal(radians([np.inf, np.nan]), [np.inf, np.nan])
     with mp.workprec(300):
         assert abs(mp.pi - mp.mpf(PI.numerator) / PI.denominator) < mp.mpf(2) ** -280
+    # Of a grid; that all doors take units by name alike is tested with lengths.
+    name = "counterweight1_direction"
+    got, expected = (
+        fl.sweep("planar_4r", fl.grid(**TURNING, **WEIGHT, **given), ["shaking_force_max"], links=BARS)
+        for given in ({f"{name}_deg": ANGLES}, {name: [exact(value) for value in ANGLES]})
+    )
+    xr.testing.assert_equal(got, expected)
+    assert got[name].attrs["comment"] == "given in degrees"
 
 
 def test_input_positions_in_degrees():
     names = ["theta4", "omega4"]
-    got = sweep_4r(fl.grid(**DESIGN), names, theta1_deg=ANGLES)
-    expected = sweep_4r(fl.grid(**DESIGN), names, theta1=[exact(value) for value in ANGLES])
+    got = sweep_4r(fl.grid(**TURNING), names, theta1_deg=ANGLES)
+    expected = sweep_4r(fl.grid(**TURNING), names, theta1=[exact(value) for value in ANGLES])
     xr.testing.assert_equal(got, expected)
     assert got.theta1.attrs["units"] == "rad"
     assert got.theta1.attrs["comment"] == "given in degrees"
@@ -574,27 +566,22 @@ def test_input_positions_in_degrees():
     assert one.joint_angle_2.item() == exact(100.0)
 
 
-def test_configurations_in_degrees():
+def test_labelled_and_unlabelled_configurations_in_degrees():
     for theta in (40.0, [[40.0], [80]], xr.DataArray([40, 80], dims="k", coords={"k": [1, 2]})):
-        got = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=theta)["omega4"]
-        expected = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=radians_of(theta))
+        got = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1_deg=theta)["omega4"]
+        expected = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1=radians_of(theta))
         assert_array_equal(got, expected["omega4"])
         assert type(got) is type(expected["omega4"])
+    degrees = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1=labelled(60.0, "degree"))["omega4"]
+    by_name = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1_deg=60.0)["omega4"]
+    both = fl.evaluate("planar_4r", ["omega4"], **TURNING, theta1_deg=labelled(60.0, "degree"))["omega4"]
+    assert float(degrees) == by_name == float(both)
+    swept = fl.sweep("planar_4r", TURNING, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
+    assert swept.omega4.item() == by_name
 
 
 def radians_of(theta):
     return theta.copy(data=radians(theta.values)) if hasattr(theta, "dims") else radians(theta)
-
-
-def test_inputs_in_degrees():
-    """Of a grid; that all doors take units by name alike is tested with lengths."""
-    name = "counterweight1_direction"
-    got, expected = (
-        fl.sweep("planar_4r", fl.grid(**DESIGN, **WEIGHT, **given), ["shaking_force_max"], links=BARS)
-        for given in ({f"{name}_deg": ANGLES}, {name: [exact(value) for value in ANGLES]})
-    )
-    xr.testing.assert_equal(got, expected)
-    assert got[name].attrs["comment"] == "given in degrees"
 
 
 def labelled(values, units):
@@ -607,29 +594,20 @@ def test_positions_in_another_unit_are_refused(name):
     remedy = "convert it to degrees" if name.endswith("_deg") else "convert it to rad"
     unit = "turn" if name.endswith("_deg") else "mm"
     for call in (
-        lambda: sweep_4r(DESIGN, ["omega4"], **{name: labelled([0.1, 0.2], unit)}),
-        lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, **{name: labelled(0.1, unit)}),
+        lambda: sweep_4r(TURNING, ["omega4"], **{name: labelled([0.1, 0.2], unit)}),
+        lambda: fl.evaluate("planar_4r", ["omega4"], **TURNING, **{name: labelled(0.1, unit)}),
         lambda: fl.function("planar_4r", ["a4"], ["omega4"], **FIXED, **{name: labelled([0.1], unit)}),
     ):
         with refused(name, remedy):
             call()
 
 
-def test_labelled_degrees_are_converted_alike():
-    degrees = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=labelled(60.0, "degree"))["omega4"]
-    by_name = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=60.0)["omega4"]
-    both = fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1_deg=labelled(60.0, "degree"))["omega4"]
-    assert float(degrees) == by_name == float(both)
-    swept = fl.sweep("planar_4r", DESIGN, ["omega4"], theta1=labelled([60.0], "deg"), branch=1)
-    assert swept.omega4.item() == by_name
-
-
 def test_functions_and_studies_in_degrees(tmp_path):
     function = fl.function("planar_4r", ["a4"], ["omega4"], theta1_deg=ANGLES, **FIXED)
-    expected = fl.sweep("planar_4r", fl.grid(**DESIGN), ["omega4"], theta1_deg=ANGLES, branch=1)
+    expected = fl.sweep("planar_4r", fl.grid(**TURNING), ["omega4"], theta1_deg=ANGLES, branch=1)
     assert_array_equal(function([1.0])[0], expected.omega4)
     path = tmp_path / "study.toml"
-    design = "\n".join(f"{name} = {value}" for name, value in DESIGN.items())
+    design = "\n".join(f"{name} = {value}" for name, value in TURNING.items())
     for axis in (f"{{values = {ANGLES}}}", "{linspace = [0.0, 180.0, 4]}"):
         path.write_text(
             f'mechanism = "planar_4r"\nquantities = ["omega4"]\n[design]\n{design}\n'
@@ -656,7 +634,7 @@ SWEEPS = {
 @pytest.mark.parametrize(("options", "key", "remedy"), SWEEPS.values(), ids=SWEEPS)
 def test_what_is_no_array_of_degrees(options, key, remedy):
     with refused(key, remedy):
-        sweep_4r(fl.grid(**DESIGN), ["omega4"], **options)
+        sweep_4r(fl.grid(**TURNING), ["omega4"], **options)
 
 
 def test_only_angles_have_degrees():
@@ -664,16 +642,16 @@ def test_only_angles_have_degrees():
     with refused("F_y_deg", "write F_y"):
         sweep_both("hart", fl.grid(**hart), ["phi"], input="F_y", F_y_deg=[0.1, 0.2])
     with refused("a2_deg", "write a2"):
-        sweep_4r({**DESIGN, "a2_deg": 1.0}, ["omega4"], theta1=8)
-    both = {"counterweight1_direction_deg": 40.0, "counterweight1_direction": 0.5, **WEIGHT, **DESIGN}
+        sweep_4r({**TURNING, "a2_deg": 1.0}, ["omega4"], theta1=8)
+    both = {"counterweight1_direction_deg": 40.0, "counterweight1_direction": 0.5, **WEIGHT, **TURNING}
     with refused("counterweight1_direction_deg", "write one of them"):
         sweep_4r(fl.grid(**both), ["omega4"], theta1=8)
     with refused("theta1_deg", "write one of them"):
-        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, theta1_deg=40.0, **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, theta1_deg=40.0, **TURNING)
     with refused("a2_deg", "write a2"):
-        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, a2_deg=40.0, **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1=1.0, a2_deg=40.0, **TURNING)
     with refused("theta1_deg", "write"):
-        fl.evaluate("planar_4r", ["omega4"], theta1_deg="forty", **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1_deg="forty", **TURNING)
     with refused("a2_deg", "write a2"):
         fl.function("planar_4r", ["a2_deg"], ["theta4"], a1=0.4, a3=0.8, a4=1.0)
 
@@ -687,13 +665,13 @@ def test_what_can_hardly_be_radians_gets_a_remark(values):
     assert looks_like_degrees(values)
     if np.ndim(values):
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            sweep_4r(fl.grid(**DESIGN), ["omega4"], theta1=values)
+            sweep_4r(fl.grid(**TURNING), ["omega4"], theta1=values)
         with pytest.warns(fl.InputWarning, match="theta1_deg"):
-            sweep_4r(fl.grid(**DESIGN), ["omega4"], angles=values)
+            sweep_4r(fl.grid(**TURNING), ["omega4"], angles=values)
     with pytest.warns(fl.InputWarning, match="theta1_deg"):
-        fl.evaluate("planar_4r", ["omega4"], theta1=values, **DESIGN)
+        fl.evaluate("planar_4r", ["omega4"], theta1=values, **TURNING)
     with pytest.warns(fl.InputWarning, match="counterweight1_direction_deg"):
-        sweep_4r(fl.grid(counterweight1_direction=values, **WEIGHT, **DESIGN), ["omega4_max"])
+        sweep_4r(fl.grid(counterweight1_direction=values, **WEIGHT, **TURNING), ["omega4_max"])
 
 
 @pytest.mark.parametrize("values", IN_RADIANS)

@@ -7,6 +7,7 @@ from operator import mul, truediv
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support import configurations
 from tests.support.configurations import LENGTHS, PLANAR, lengths_and_angles
 from tests.support.precision import Truth, in_every_mode, plain
@@ -30,9 +31,6 @@ MECHANISMS = {"planar_4r": PLANAR, "minkowski_4r": MINKOWSKI}
 
 def quantities(mechanism):
     return [name for name, fact in mechanism.public.items() if not fact.flags]
-
-
-# -- each law ----------------------------------------------------------------------------------------------
 
 
 #: The law over magnitudes and errors, and the operation.
@@ -99,9 +97,6 @@ def test_a_product_or_quotient_of_pairs_is_right_to_twice_the_digits(function, o
         )
 
 
-# -- small mechanisms: what is counted -----------------------------------------------------------------------
-
-
 #: Formulas, and how often a rounding changes them.
 COUNTED = {
     "x * y": 1.0,
@@ -148,9 +143,6 @@ def test_the_words_of_sums_of_two_meet():
     assert np.all(found["p_error"] <= 3.001 * UNIT_ROUNDING * np.abs(found["p"]))
 
 
-# -- every quantity ------------------------------------------------------------------------------------------
-
-
 def bounds_over_errors(entry, names, kind, n):
     """Return quantities and their ratios of bound to error in configurations, where no error is beyond its bound."""
     inputs = in_every_mode(entry, entry.drawn(kind, 10, n))
@@ -190,8 +182,6 @@ def test_every_bound_holds_and_is_not_much_greater_than_the_error(entry):
     assert np.median([ratio for _name, ratio in ratios]) < entry.looseness
 
 
-# -- in sweeps -----------------------------------------------------------------------------------------------
-
 SWEPT = {
     "planar_4r": (
         {"a1": [0.3, 0.4, 0.9], "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0},
@@ -227,9 +217,9 @@ def test_compiled_bounds_have_the_bits_of_plain_ones(name, swept):
     found = fl.evaluate(name, [*names, *judged], branch=np.array([1, 2])[:, None], **given)
     for quantity in judged:
         expected = result[quantity].broadcast_like(result[first]).transpose(*result[first].dims)
-        np.testing.assert_array_equal(found[quantity], expected)
+        assert_array_equal(found[quantity], expected)
     greatest = np.nanmax(found[f"{first}_error"], axis=2)
-    np.testing.assert_array_equal(result[f"{first}_error_max"], greatest)
+    assert_array_equal(result[f"{first}_error_max"], greatest)
 
 
 def test_bounds_have_labels(swept):
@@ -245,12 +235,12 @@ def test_bounds_have_labels(swept):
     assert result.omega4_trust.attrs["flag_meanings"] == "trusted ill_conditioned not_finite"
 
 
-def test_trust_tells_where_digits_are_known(swept):
+def test_bounds_have_labels_and_tell_where_digits_are_known(swept):
     for name, result in swept.items():
         for quantity in SWEPT[name][2]:
             value, error, code = (result[f"{quantity}{x}"].values for x in ("", "_error", "_trust"))
             expected = np.where(error <= 1e-6 * np.abs(value), 0, 1)
-            np.testing.assert_array_equal(code, np.where(np.isfinite(value), expected, 2))
+            assert_array_equal(code, np.where(np.isfinite(value), expected, 2))
     # a residual is nothing but rounding
     lengths = {"a1": 0.3, "a2": 1.2, "a3": 0.8, "a4": 1.0}
     assert (
@@ -260,9 +250,6 @@ def test_trust_tells_where_digits_are_known(swept):
         fl.evaluate("planar_4r", ["A_x_trust"], theta1=np.nan, allow_invalid=True, **lengths)["A_x_trust"]
         == 2.0
     )
-
-
-def test_at_toggles_and_folds_a_bound_says_how_much_is_known():
     names = ["transmission_angle", "theta4"]
     judged = [f"{name}_error" for name in names]
     kite = {"a1": 1.0, "a2": 2.0, "a3": 2.0, "a4": 1.0}
@@ -306,7 +293,7 @@ def test_bounds_scale_with_the_lengths(power):
     ]
     one, other = ([values[name] for name in names] for values in found)
     # what is added to keep roots from zero, 2^-1000 of squares of ratios, is below all roundings
-    np.testing.assert_array_equal(other, one * 2.0**factors)
+    assert_array_equal(other, one * 2.0**factors)
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -326,8 +313,6 @@ def test_nothing_of_a_bound_is_computed_unless_it_is_asked_for(name):
     steps = mechanism.dependencies(quantities(mechanism), (*mechanism.inputs, *given))
     assert not [step.name for step in steps if step.name.endswith(("_error", "_trust"))]
 
-
-# -- deep texts ---------------------------------------------------------------------------------------------------
 
 DEEP = ["d_F41_d_a1_error", "d_shaking_moment_printed_d_a1_error"]
 

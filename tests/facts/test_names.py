@@ -1,7 +1,5 @@
 """The grammar of names: what is spelt is read again, each name has one reading, and one module knows the rules."""
 
-from __future__ import annotations
-
 import ast
 import re
 from dataclasses import replace
@@ -167,12 +165,6 @@ def test_how_names_are_read(name, tree):
     assert parse(name, catalogue) == tree
 
 
-def test_what_varies_is_told_by_the_plain_part():
-    catalogue = find_catalogue("planar_4r")
-    assert plain_part(parse("d_omega4_d_a1_error", catalogue)) == "omega4"
-    assert plain_part(parse("omega4_max", catalogue)) == "omega4_max"
-
-
 def test_what_a_name_is_made_of_in_the_end():
     catalogue = find_catalogue("planar_4r")
     for name in [
@@ -183,6 +175,8 @@ def test_what_a_name_is_made_of_in_the_end():
         "omega4",
     ]:
         assert innermost(name, catalogue) == "omega4"
+    assert plain_part(parse("d_omega4_d_a1_error", catalogue)) == "omega4"
+    assert plain_part(parse("omega4_max", catalogue)) == "omega4_max"
 
 
 def test_a_declared_limit_hides_the_extreme_of_the_same_name():
@@ -194,9 +188,6 @@ def test_a_declared_limit_hides_the_extreme_of_the_same_name():
         make_plan(catalogue, ["psi_extrema"], given=list(catalogue.inputs))
     with pytest.raises(InputError, match="cannot be listed; ask for A_y_max and A_y_min"):
         make_plan(catalogue, ["A_y_extrema"], given=list(catalogue.inputs))
-
-
-# -- each name has one reading -------------------------------------------------------------------------------
 
 
 @pytest.fixture
@@ -279,8 +270,6 @@ def test_a_reduction_cannot_be_called_what_an_ending_means_already(how):
         register_reduction(how, has_position=False)
 
 
-# -- one module knows the rules ------------------------------------------------------------------------------
-
 ENDINGS = ["error", "trust", "extrema", "extrema_count", "extrema_kind", "extrema_error", "gradient_status"]
 ENDINGS += [*REDUCTIONS]
 #: A name that is made of the value in a formatted text, which is {} here, and texts that can only be parts of names.
@@ -308,19 +297,10 @@ def faults(source):
 
 
 def test_the_search_finds_what_it_is_for():
-    spelt = (
-        'f"d_{x}_d_{by}"',
-        'f"{x}_error"',
-        'f"{at}_at_{x}_max"',
-        'f"ask for {x}_max and _min"',
-        'x + "_trust"',
-    )
-    taken = (
-        'x.endswith(("_error", "_trust"))',
-        'x.startswith("d_")',
-        'x.rpartition("_")',
-        're.compile("d_(.+)")',
-    )
+    spelt = ('f"d_{x}_d_{by}"', 'f"{x}_error"', 'f"{at}_at_{x}_max"')
+    spelt += ('f"ask for {x}_max and _min"', 'x + "_trust"')
+    taken = ('x.endswith(("_error", "_trust"))', 'x.startswith("d_")')
+    taken += ('x.rpartition("_")', 're.compile("d_(.+)")')
     assert all(map(faults, (*spelt, *taken, 'x.partition("__below_")', 'ERROR = "_error"')))
 
 

@@ -5,8 +5,7 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from tests.support.configurations import PLANAR
-from tests.support.curve_designs import design_of
+from tests.support.configurations import PLANAR, design_of
 
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.expression import ExpressionGraph
@@ -31,10 +30,7 @@ def bare(node):
 
 
 def twins(catalogue, chosen):
-    """Return pairs of facts whose texts, written over inputs alone, are one expression or its negative.
-
-    A fact that is another one, or a number, by its own text is a second name, no second definition.
-    """
+    """Return pairs of facts whose texts, written over inputs alone, are one expression or its negative."""
     graph = ExpressionGraph(FUNCTIONS)
     replaced = {name for key in chosen for name in catalogue.variants.get(key, {})}
     given = {*catalogue.known_inputs(chosen), *catalogue.tables, *catalogue.table_low_parts}

@@ -92,8 +92,25 @@ def test_a_sheet_of_every_construct_is_declared_in_full(made):
     assert [*made.inputs] == ["a", "b", "mode", "omega"]
     assert [*made.public] == ["reach", "P_x", "P_y", "reach_max", "class_"]
     assert [name for name, fact in made.facts.items() if fact.internal] == [
-        *("d_s_d_theta", "sum", "exact", "exact_low"),
+        *("d_s_d_theta", "sum", "exact", "exact_low")
     ]
+    assert made.facts["reach"].symbol == "r_{max}"
+    assert made.facts["sum"].meaning == "Sum of all lengths, of which the meaning goes on"
+    assert made.facts["reach"].formula.lines == (
+        "sign = HALF * omega",
+        "high, low = two_sum(sum, sign)",
+        "return high + low",
+    )
+    sources = [made.facts[name].source for name in ("sum", "P_y", "exact", "class_")]
+    assert sources == ["Book, eq. (7); numbered.md#eq-7"] * 2 + ["Book, eq. (8)"] * 2
+    assert made.tables["s"].source == "Table 1"
+    slope = made.facts["d_s_d_theta"]
+    assert (slope.units, slope.source, slope.internal) == (
+        "rad-1",
+        "Table 1; docs/numerics.md#derivatives",
+        True,
+    )
+    assert slope.formula.lines == ("return cos(theta)",)
 
 
 def test_braces_stand_for_entries_part_by_part(made):
@@ -108,28 +125,17 @@ def test_braces_stand_for_entries_part_by_part(made):
     assert y.formula.lines == ("return b * s + a",)
 
 
-def test_braces_without_commas_are_symbols(made):
-    assert made.facts["reach"].symbol == "r_{max}"
-
-
-def test_lines_that_are_indented_further_go_on(made):
-    assert made.facts["sum"].meaning == "Sum of all lengths, of which the meaning goes on"
-    assert made.facts["reach"].formula.lines == (
-        "sign = HALF * omega",
-        "high, low = two_sum(sum, sign)",
-        "return high + low",
-    )
-
-
-def test_a_formula_depends_on_what_is_neither_local_nor_a_function(made):
+def test_formulas_are_read_with_what_they_depend_on_their_low_parts_and_constants(made):
     assert made.facts["reach"].depends_on == made.facts["reach"].formula.parameters == ("omega", "sum")
     assert read_facts(made, ["reach"], {"a": 1.0, "b": 2.0, "omega": 4.0})["reach"] == 5.0
-
-
-def test_the_source_is_that_above(made):
-    sources = [made.facts[name].source for name in ("sum", "P_y", "exact", "class_")]
-    assert sources == ["Book, eq. (7); numbered.md#eq-7"] * 2 + ["Book, eq. (8)"] * 2
-    assert made.tables["s"].source == "Table 1"
+    assert made.table_low_parts == {"s_low": "s"}
+    assert made.facts["exact_low"] is made.facts["exact"]
+    assert made.facts["exact"].names == ("exact", "exact_low")
+    assert read_facts(made, ["exact_low"], {"a": 1.0 + 2.0**-52})["exact_low"] == 2.0**-104
+    assert made.facts["reach"].formula.names["HALF"] == 0.5
+    assert made.facts["reach"].formula.names["TWICE_PI"] == made.facts["reach"].formula.names["TWO_PI"]
+    called = {value for value in NAMESPACE.values() if callable(value)}
+    assert all(function.__module__.startswith("fastlink.numerics.") for function in called)
 
 
 def test_labels_further_names_codes_and_rules(made):
@@ -142,28 +148,6 @@ def test_labels_further_names_codes_and_rules(made):
         "mode", "1", "k", "which of both", "any", None, {0: "lower", 1: "upper", -1: "neither"}
     )
     assert made.hiding == {"reach_max"}
-
-
-def test_low_parts_are_values(made):
-    assert made.table_low_parts == {"s_low": "s"}
-    assert made.facts["exact_low"] is made.facts["exact"]
-    assert made.facts["exact"].names == ("exact", "exact_low")
-    assert read_facts(made, ["exact_low"], {"a": 1.0 + 2.0**-52})["exact_low"] == 2.0**-104
-
-
-def test_derivatives_have_the_labels_of_their_quantity(made):
-    slope = made.facts["d_s_d_theta"]
-    assert (slope.units, slope.source, slope.internal) == (
-        "rad-1",
-        "Table 1; docs/numerics.md#derivatives",
-        True,
-    )
-    assert slope.formula.lines == ("return cos(theta)",)
-
-
-def test_constants_are_numbers(made):
-    assert made.facts["reach"].formula.names["HALF"] == 0.5
-    assert made.facts["reach"].formula.names["TWICE_PI"] == made.facts["reach"].formula.names["TWO_PI"]
 
 
 def test_variants_have_inputs_facts_and_systems(made):
@@ -190,6 +174,8 @@ def test_a_sheet_may_be_of_several_mechanisms():
 #: What each refused sheet begins with; its own first line is the fifth.
 BEFORE = "[inputs]\n{a,b} [m] x: a length\n[facts]\n## here\n"
 HEAD = "c [m] x: Something\n"
+#: Which the text of a formula, the notes of an input or the facts of a variant may follow.
+OF, INPUT, OF_V = HEAD + "    = ", "[inputs]\nc [m] x: a length\n    ", "[variant v]\n"
 #: Sheets, the line of what is wrong, what the reason says, and what the remedy says.
 REFUSED = {
     # heads
@@ -203,7 +189,7 @@ REFUSED = {
     "no symbol": ("c [m] : Something\n    = a", 5, "fact c has no symbol", "write"),
     "no source": ("##\nc [m] x: Something\n    = a", 6, "fact c has no source", "write"),
     "no units of an input": ("[inputs]\nc [] x: Something", 6, "input c has no units", "write"),
-    "twice": (HEAD + "    = a\n" + HEAD + "    = b", 7, "c is declared twice", "call one otherwise"),
+    "twice": (OF + "a\n" + OF + "b", 7, "c is declared twice", "call one otherwise"),
     "an input twice": ("[inputs]\na [m] x: a length", 6, "a is declared twice", "call one otherwise"),
     "the position": ("theta [m] x: Something\n    = a", 5, "theta is declared twice", "call one otherwise"),
     "the branch": ("branch [m] x: Something\n    = a", 5, "branch is declared twice", "call one otherwise"),
@@ -224,15 +210,10 @@ REFUSED = {
     # sections, braces, inputs, constants
     "section": ("[quantities]", 5, "[quantities] is no section", "write [inputs], [tables], [facts]"),
     "section with an end": ("[variant two words]", 5, "is no section", "[variant NAME]"),
-    "braces": (HEAD + "    = {a,b} * {a,b,c}", 5, "different numbers of parts", "as many parts in each"),
-    "rule": (
-        "[inputs]\nc [m] x: a length\n    rule: negative",
-        6,
-        "'negative' is no rule",
-        "did you mean 'non-negative'",
-    ),
+    "braces": (OF + "{a,b} * {a,b,c}", 5, "different numbers of parts", "as many parts in each"),
+    "rule": (INPUT + "rule: negative", 6, "'negative' is no rule", "did you mean 'non-negative'"),
     "default against its rule": (
-        "[inputs]\nc [m] x: a length\n    rule: positive\n    default: -1.0",
+        INPUT + "rule: positive\n    default: -1.0",
         6,
         "-1.0 of c is not positive",
         "another",
@@ -243,7 +224,7 @@ REFUSED = {
         "c has a formula, and a rule",
         "leave them out",
     ),
-    "default": ("[inputs]\nc [m] x: a length\n    default: much", 6, "'much' is no number", "2.0**-500"),
+    "default": (INPUT + "default: much", 6, "'much' is no number", "2.0**-500"),
     "constant": ("let C = sin(1.0)", 5, "'sin(1.0)' is no number", "write such as 2.0**-500"),
     "constant of nothing": ("let C", 5, "'' is no number", "write such as"),
     "constant of inputs": ("let C = 2.0 * a", 5, "'2.0 * a' is no number", "write such as"),
@@ -256,14 +237,14 @@ REFUSED = {
     # formulas
     "no formula": (HEAD, 5, "the formula of c has no line", "end it in one line `= ...`"),
     "no return": (HEAD + "    d = a", 5, "the formula of c has 'd = a'", "end it in one line `= ...`"),
-    "two returns": (HEAD + "    = a\n    = b", 5, "the formula of c has '= a'", "end it in one line"),
-    "after the return": (HEAD + "    = a\n    d = b", 5, "the formula of c has '= a'", "end it in one line"),
+    "two returns": (OF + "a\n    = b", 5, "the formula of c has '= a'", "end it in one line"),
+    "after the return": (OF + "a\n    d = b", 5, "the formula of c has '= a'", "end it in one line"),
     "nothing": (HEAD + "    d = a\n    a + b\n    = d", 5, "the formula of c has 'a + b'", "end it in one"),
     "loop": (HEAD + "    for i in a: pass\n    = a", 5, "has 'for i in a: pass'", "end it in one line"),
     "target": (HEAD + "    a.d = b\n    = a", 5, "has Attribute", "write operators"),
     "keyword as a target": (HEAD + "    is = b\n    = a", 5, "is no expression of Python", "mend it"),
     "no variant": ("system s: a, b\n    | 1.0, 0.0, a", 5, "system s is in no variant", "[variant NAME]"),
-    "an unknown": ("[variant v]\nsystem s: 2x\n    | 1.0, a", 6, "'2x' is no name", "write letters"),
+    "an unknown": (OF_V + "system s: 2x\n    | 1.0, a", 6, "'2x' is no name", "write letters"),
     # what `check` finds
     "unfinished": (
         HEAD + "    d = a\n    = d +",
@@ -272,45 +253,45 @@ REFUSED = {
         "mend it",
     ),
     "bracket": (HEAD + "    d = (a\n    = d)", 5, "formula of c, line '= d)', is no expression", "mend it"),
-    "power": (HEAD + "    = a**2", 5, "line '= a ** 2', has Pow", "write powers"),
-    "choice": (HEAD + "    = a if a < b else b", 5, "has IfExp", "select(condition, a, b)"),
-    "attribute": (HEAD + "    = a.real", 5, "has Attribute", "write operators"),
-    "lambda": (HEAD + "    = (lambda: a)", 5, "has Lambda", "write operators"),
-    "item": (HEAD + "    = a[0]", 5, "has Subscript", "write operators"),
-    "list": (HEAD + "    = [a for a in b]", 5, "has ListComp", "write operators"),
-    "and": (HEAD + "    = a < b and b < a", 5, "has BoolOp", "write operators"),
-    "named argument": (HEAD + "    = sqrt(x=a)", 5, "has keyword", "write operators"),
-    "three numbers": (HEAD + "    = select(a < b < a, a, b)", 5, "compares more than two numbers", "by &"),
-    "text": (HEAD + "    = a + 'b'", 5, "has 'b', which is no number", "write numbers"),
-    "truth": (HEAD + "    = select(True, a, b)", 5, "has True, which is no number", "write numbers"),
-    "unknown function": (HEAD + "    = sqr(a)", 5, "calls sqr, which is no function", "did you mean 'sqrt'"),
-    "called quantity": (HEAD + "    = a(2.0)", 5, "calls a, which is no function", "known: abs"),
+    "power": (OF + "a**2", 5, "line '= a ** 2', has Pow", "write powers"),
+    "choice": (OF + "a if a < b else b", 5, "has IfExp", "select(condition, a, b)"),
+    "attribute": (OF + "a.real", 5, "has Attribute", "write operators"),
+    "lambda": (OF + "(lambda: a)", 5, "has Lambda", "write operators"),
+    "item": (OF + "a[0]", 5, "has Subscript", "write operators"),
+    "list": (OF + "[a for a in b]", 5, "has ListComp", "write operators"),
+    "and": (OF + "a < b and b < a", 5, "has BoolOp", "write operators"),
+    "named argument": (OF + "sqrt(x=a)", 5, "has keyword", "write operators"),
+    "three numbers": (OF + "select(a < b < a, a, b)", 5, "compares more than two numbers", "by &"),
+    "text": (OF + "a + 'b'", 5, "has 'b', which is no number", "write numbers"),
+    "truth": (OF + "select(True, a, b)", 5, "has True, which is no number", "write numbers"),
+    "unknown function": (OF + "sqr(a)", 5, "calls sqr, which is no function", "did you mean 'sqrt'"),
+    "called quantity": (OF + "a(2.0)", 5, "calls a, which is no function", "known: abs"),
     "called local": (
         HEAD + "    sin = a\n    = sin(a)",
         5,
         "calls sin, which is no function",
         "did you mean",
     ),
-    "function": (HEAD + "    = 2.0 * sqrt", 5, "has the function sqrt without arguments", "write sqrt(...)"),
+    "function": (OF + "2.0 * sqrt", 5, "has the function sqrt without arguments", "write sqrt(...)"),
     "of a table": ("[tables]\nc [1] x: Something\n    = sin(theta", 6, "is no expression", "mend it"),
-    "of a variant": ("[variant v]\na [m] x: Something\n    = b**2", 6, "has Pow", "write powers"),
-    "a row": ("[variant v]\nsystem s: a, b\n    | 1.0, 0.0, a", 6, "2 unknowns has rows of 3", "2 rows of 3"),
+    "of a variant": (OF_V + "a [m] x: Something\n    = b**2", 6, "has Pow", "write powers"),
+    "a row": (OF_V + "system s: a, b\n    | 1.0, 0.0, a", 6, "2 unknowns has rows of 3", "2 rows of 3"),
     "a row without a right-hand side": (
-        "[variant v]\nsystem s: a, b\n    | 1.0, 0.0, a\n    | b, 1.0",
+        OF_V + "system s: a, b\n    | 1.0, 0.0, a\n    | b, 1.0",
         6,
         "2 unknowns has rows of 3, 2 numbers",
         "the right-hand side last",
     ),
     "unknown name": (
-        HEAD + "    = a + z",
+        OF + "a + z",
         5,
         "c depends on z, which is not declared",
         "declare it, or mend the name",
     ),
-    "itself": (HEAD + "    = a + c", 5, "circular: c -> c", "let one of them depend on inputs"),
-    "circle": (HEAD + "    = d\nd [m] x: Something\n    = c", 5, "circular: c -> d -> c", "let one"),
+    "itself": (OF + "a + c", 5, "circular: c -> c", "let one of them depend on inputs"),
+    "circle": (OF + "d\nd [m] x: Something\n    = c", 5, "circular: c -> d -> c", "let one"),
     "variant of nothing": (
-        "[variant v]\nc [m] x: Something\n    = a",
+        OF_V + "c [m] x: Something\n    = a",
         6,
         "v gives c, which is not",
         "make it a step",
@@ -331,14 +312,11 @@ def test_what_is_no_sheet_is_refused(case):
     assert "\n" not in str(error)
 
 
-def test_what_check_finds_is_found_by_its_first_use_too():
+def test_what_check_finds_is_found_by_its_first_use_too_and_unknown_names_are_the_user_s():
     made = add(toy(), f"{BEFORE}{HEAD}    = a if a < b else b\ne [m] x: Something\n    = a +")
     for name in ("c", "e"):
         with pytest.raises(SheetError, match=rf"toy.facts, line \d: formula of {name}, line"):
             made.resolve(f"d_{name}_d_a")
-
-
-def test_a_name_that_users_ask_for_is_their_fault():
     with pytest.raises(InputError, match="'reech' is unknown to toy; did you mean 'reach'"):
         raise toy(SHEET).unknown_error("reech")
 
@@ -388,10 +366,12 @@ def test_a_fact_with_a_low_part_determines_two_values(made_catalogue):
     assert (exact["b"], exact["b_low"]) == (CONTEXT.mpf(a) ** 2, 0)
 
 
-def test_low_parts_have_names_of_their_own(made_catalogue):
+def test_names_are_declared_once_and_missing_ones_told_with_what_needs_them(made_catalogue):
     add(made_catalogue, SQUARE)
     with pytest.raises(CatalogueError, match="b_low is declared twice"):
         declare(made_catalogue, "b_low", "a")
+    with pytest.raises(InputError, match=r"a is missing \(a length \[m\]\); b depends on it"):
+        list(made_catalogue.dependencies(["b"], []))
 
 
 def test_a_fact_has_not_the_name_of_a_variant(made_catalogue):
@@ -405,12 +385,6 @@ def test_a_fact_has_not_the_name_of_a_variant(made_catalogue):
     # but the fact that an input of that name replaces
     declare(made_catalogue, "c", "a")
     add(made_catalogue, "[variant c]\nc [1] c: c")
-
-
-def test_a_missing_input_is_named_with_what_needs_it(made_catalogue):
-    declare(made_catalogue, "b", "a")
-    with pytest.raises(InputError, match=r"a is missing \(a length \[m\]\); b depends on it"):
-        list(made_catalogue.dependencies(["b"], []))
 
 
 def test_inputs_that_determine_each_other(made_catalogue):
@@ -460,11 +434,6 @@ def test_a_function_that_formulas_call_keeps_to_their_grammar(function):
     graph = GraphAsWritten(())
     with pytest.raises(CatalogueError, match=r"formula of .* (has .*grammar|must end in its one return)"):
         graph.read(function, [graph.name("x")])
-
-
-def test_formulas_call_the_projects_own_functions():
-    called = {value for value in NAMESPACE.values() if callable(value)}
-    assert all(function.__module__.startswith("fastlink.numerics.") for function in called)
 
 
 @pytest.mark.parametrize("mechanism", NAMES)

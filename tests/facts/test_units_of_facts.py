@@ -3,11 +3,12 @@
 from dataclasses import replace
 
 import pytest
+from tests.support.registry import every_input
 
 from fastlink.facts.fact import Fact
 from fastlink.facts.powers import Powers
 from fastlink.facts.sheet import wrong_units
-from fastlink.mechanisms import NAMES, catalogue, inputs_of
+from fastlink.mechanisms import NAMES, catalogue
 
 #: Texts that mix units on purpose, and why.
 MIXED = {
@@ -19,9 +20,7 @@ MIXED = {
 }
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
-)
+@every_input
 def test_the_units_of_a_fact_follow_from_its_formula(mechanism, drive):
     known = catalogue(mechanism, drive)
     names = {name for facts in (known.facts, known.tables, *known.variants.values()) for name in facts}

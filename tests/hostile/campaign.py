@@ -1,29 +1,26 @@
 """Draw the cases of a seed, judge them, and count what became of them."""
 
-from __future__ import annotations
-
 import array
 import os
 import random
 from collections import Counter
-from collections.abc import Iterable, Iterator
 from decimal import Decimal
 from fractions import Fraction
 from functools import cache
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 import fastlink as fl
-from tests.hostile import doings, objects
-from tests.hostile.doors import DOORS, Door
+from tests.hostile import doings
+from tests.hostile.doors import DOORS
 from tests.hostile.judge import attempt, judged
 from tests.hostile.texts import ROOT, SMALL, command_lines, studies, tables
-from tests.hostile.values import EITHER, REFUSED, TAKEN, Value
+from tests.hostile.values import EITHER, REFUSED, TAKEN
 from tests.support.sweeps import sweep_4r, sweep_both
 
 
@@ -37,7 +34,7 @@ class Case(NamedTuple):
     source: str = ""
 
 
-def case_of(door: Door, chosen: dict[str, Value]) -> Case:
+def case_of(door, chosen):
     """Return the case with some values at a door."""
     verdicts = {value.verdict for value in chosen.values()}
     verdict = TAKEN if verdicts == {TAKEN} and len(chosen) == 1 else EITHER
@@ -50,14 +47,14 @@ def case_of(door: Door, chosen: dict[str, Value]) -> Case:
 
 
 @cache
-def singles() -> tuple[Case, ...]:
+def singles():
     """Return a case for each value of each argument of each door."""
     return tuple(
         case_of(door, {name: value}) for door in DOORS for name in door.slots for value in door.values(name)
     )
 
 
-def argument_cases(seed: int, count: int) -> Iterator[Case]:
+def argument_cases(seed, count):
     """Yield calls with a hostile value; a fifth of them with two."""
     rng = random.Random(seed)
     yield from rng.sample(singles(), count - count // 5)
@@ -70,25 +67,25 @@ def argument_cases(seed: int, count: int) -> Iterator[Case]:
             yield case_of(door, chosen)  # type: ignore[arg-type]
 
 
-def table_cases(seed: int, count: int) -> Iterator[Case]:
+def table_cases(seed, count):
     """Yield calls with tables."""
     for door, verdict, source, plain in tables(seed, count):
         yield Case("table", verdict, door.replace("SOURCE", source), door.replace("SOURCE", plain), source)
 
 
-def study_cases(seed: int, count: int) -> Iterator[Case]:
+def study_cases(seed, count):
     """Yield calls with studies."""
     for text in studies(seed, count):
         yield Case(text.partition("(")[0], EITHER, text, text)
 
 
-def line_cases(seed: int, count: int) -> Iterator[Case]:
+def line_cases(seed, count):
     """Yield command lines."""
     for words in command_lines(seed, count):
         yield Case("command line", EITHER, f"to_end(*{words!r})", f"to_end(*{words!r})")
 
 
-def namespace() -> dict[str, Any]:
+def namespace():
     """Return what the texts of cases are made of; its files are written into the current folder."""
     Path("folder").mkdir(exist_ok=True)
     Path("study.toml").write_text(SMALL.replace("a3 = {values = [0.8, 0.7]}", "a3 = 0.8"))
@@ -96,11 +93,10 @@ def namespace() -> dict[str, Any]:
         Path(table.name).write_bytes(table.read_bytes())
     if not os.path.lexists("loop"):
         os.symlink("loop", "loop")
-    modules = (objects, doings)
-    named = {name: one for module in modules for name, one in vars(module).items() if name[0] != "_"}
+    named = {name: one for name, one in vars(doings).items() if name[0] != "_"}
     space = fl.grid(a1=0.4, a2=[1.1, 1.2, 1.3], a3=0.8, a4=1.0, omega1=25.0)
     bars = fl.round_bar(density=7750.0, radius=0.01)
-    options: dict[str, Any] = {"angles": 8, "threads": 1}
+    options = {"angles": 8, "threads": 1}
     to_file = options | {"overwrite": True, "verify": 0}
     sweep_4r(space, ["omega4_max"], to="maps.h5", **to_file).close()
     sweep_4r(space, ["omega4_max"], to="part.h5", part=(1, 1), **to_file).close()
@@ -136,9 +132,9 @@ PARTS = {
 }
 
 
-def judge_all(cases: Iterable[Case], names: dict[str, Any]) -> tuple[Counter[tuple[str, str]], list[str]]:
+def judge_all(cases, names):
     """Return how often each door refused, took and failed, and a line for each failure."""
-    counts: Counter[tuple[str, str]] = Counter()
+    counts = Counter()
     failures = []
     for case in cases:
         if case.source and attempt(case.source, names)[1] is not None:
@@ -150,7 +146,7 @@ def judge_all(cases: Iterable[Case], names: dict[str, Any]) -> tuple[Counter[tup
     return counts, failures
 
 
-def table_of(counts: Counter[tuple[str, str]]) -> str:
+def table_of(counts):
     """Return counts as a table."""
     verdicts = ("refused", "taken", "failed")
     lines = [f"{'door':32}" + "".join(f"{verdict:>9}" for verdict in verdicts)]
@@ -159,7 +155,7 @@ def table_of(counts: Counter[tuple[str, str]]) -> str:
     return "\n".join(lines)
 
 
-def draw(part: str, seed: int, times: int = 1) -> Iterator[Case]:
+def draw(part, seed, times=1):
     """Yield the cases of a part, some times as many as in the default run."""
     cases, count = PARTS[part]
     return islice(cases(seed, times * count), times * count)

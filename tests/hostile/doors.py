@@ -1,13 +1,11 @@
 """The doors: a good call of each public function; its keywords are arguments, whose roles follow from their names."""
 
-from __future__ import annotations
-
 import ast
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.util import find_spec
 
-from tests.hostile.values import ROLES, Value, texts_of
+from tests.hostile.values import ROLES, texts_of
 
 #: The role of an argument by its name, unless a door has another; see `values.ROLES`.
 NAMED = {
@@ -86,12 +84,12 @@ class Door:
     more: bool = True
 
     @property
-    def name(self) -> str:
+    def name(self):
         """The public name."""
         return self.text.partition("(")[0].removeprefix("fl.")
 
     @cached_property
-    def slots(self) -> dict[str, tuple[int, int]]:
+    def slots(self):
         """Where each argument stands in the text."""
         found = {
             node.arg: (node.value.col_offset, node.value.end_col_offset or 0)
@@ -100,15 +98,15 @@ class Door:
         }
         return found | ({"more": (len(self.text) - 1, len(self.text) - 1)} if self.more else {})
 
-    def role(self, name: str) -> str:
+    def role(self, name):
         """Return the role of an argument."""
         return "more" if name == "more" else self.roles.get(name, ROLE_OF.get(name, ""))
 
-    def base(self, name: str) -> str:
+    def base(self, name):
         """Return the text of an argument in the good call, which is ASCII."""
         return self.text[slice(*self.slots[name])]
 
-    def values(self, name: str) -> list[Value]:
+    def values(self, name):
         """Return the hostile values of an argument."""
         base, good = self.base(name), texts_of(f"{GOOD.get(name, '')}   {self.good.get(name, '')}")
         x = base.strip("[]'") if "'" in base else base
@@ -120,7 +118,7 @@ class Door:
             if value.text not in (*good, base) and not value.text.startswith(tuple(keywords))
         ]
 
-    def called(self, given: dict[str, str]) -> str:
+    def called(self, given):
         """Return the text of the call with other arguments."""
         text = self.text
         for name in sorted(given, key=lambda name: self.slots[name], reverse=True):
@@ -130,13 +128,11 @@ class Door:
         return text
 
 
-def _door(
-    text: str, good: dict[str, str] | None = None, opens: bool = True, more: bool = True, **roles: str
-) -> Door:
+def _door(text, good=None, opens=True, more=True, **roles):
     return Door(text, roles, good or {}, opens, more)
 
 
-def _roles(role: str, names: str) -> dict[str, str]:
+def _roles(role, names):
     return dict.fromkeys(names.split(), role)
 
 
@@ -311,9 +307,7 @@ DOORS = [
         )
     ),
     _door(
-        f"fl.planar.curve_straightness({CURVE}, theta1=None, branch=1, samples=16)",
-        **MODES,
-        theta1="range",
+        f"fl.planar.curve_straightness({CURVE}, theta1=None, branch=1, samples=16)", **MODES, theta1="range"
     ),
     *(
         _door(f"fl.{package}({x})", **_roles("curve", "x y"))

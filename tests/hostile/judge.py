@@ -1,14 +1,10 @@
 """One oracle for every case: refused with a remedy, or taken with the numbers of the plain value; nothing else."""
 
-from __future__ import annotations
-
 import contextlib
 import resource
 import signal
 import warnings
-from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
-from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,10 +27,10 @@ class Hang(BaseException):
 
 
 @contextlib.contextmanager
-def limits() -> Iterator[None]:
+def limits():
     """Bound processor time and memory of what runs inside."""
 
-    def stop(*_: object) -> None:
+    def stop(*_):
         raise Hang
 
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
@@ -51,7 +47,7 @@ def limits() -> Iterator[None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def attempt(text: str, names: dict[str, Any]) -> tuple[Any, BaseException | None]:
+def attempt(text, names):
     """Return what a call gives, or what it raises; warnings are errors, but remarks of fastlink."""
     try:
         with warnings.catch_warnings(), limits():
@@ -62,7 +58,7 @@ def attempt(text: str, names: dict[str, Any]) -> tuple[Any, BaseException | None
         return None, error
 
 
-def complaint_about(text: str) -> str:
+def complaint_about(text):
     """Return what is wrong with the lines of a refusal, or an empty text."""
     try:
         text.encode()
@@ -78,7 +74,7 @@ def complaint_about(text: str) -> str:
     return ""
 
 
-def complaint(error: InputError) -> str:
+def complaint(error):
     """Return what is wrong with a refusal, or an empty text."""
     if wrong := complaint_about(str(error)):
         return wrong
@@ -91,7 +87,7 @@ def complaint(error: InputError) -> str:
     return ""
 
 
-def judged(verdict: str, text: str, plain: str, names: dict[str, Any]) -> tuple[str, str]:
+def judged(verdict, text, plain, names):
     """Return ``"refused"``, ``"taken"`` or ``"failed"``, and why it failed; the plain call says what is meant."""
     result, error = attempt(text, names)
     if isinstance(error, InputError):
@@ -117,7 +113,7 @@ def judged(verdict: str, text: str, plain: str, names: dict[str, Any]) -> tuple[
     return "taken", ""
 
 
-def shown(result: Any) -> str:
+def shown(result):
     """Return a result on one short line."""
     try:
         return " ".join(repr(plain_of(result)).split())[:160]
@@ -125,7 +121,7 @@ def shown(result: Any) -> str:
         return type(error).__name__
 
 
-def plain_of(result: Any) -> Any:
+def plain_of(result):
     """Return a result as plain containers of arrays."""
     if isinstance(result, xr.Dataset):
         return {str(name): (one.dims, one.values) for name, one in result.variables.items()}
@@ -150,7 +146,7 @@ def plain_of(result: Any) -> Any:
     return result
 
 
-def same(one: Any, other: Any) -> bool:
+def same(one, other):
     """Tell whether two results are the same, bit for bit; a labelled array may stand for a plain one."""
     if isinstance(one, xr.Dataset) and isinstance(other, xr.Dataset):  # labels of designs may come along
         one = one.drop_vars([name for name in one.coords if name not in other.variables])

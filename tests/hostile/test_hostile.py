@@ -1,13 +1,6 @@
-"""Hostile input: no traceback, no wrong number, no hang, at any door.
-
-A case that fails is one line of Python; ``python -m tests.hostile "LINE"`` runs it.
-"""
-
-from __future__ import annotations
+"""Hostile input: no traceback, no wrong number, no hang, at any door."""
 
 import inspect
-from collections.abc import Callable, Iterator
-from typing import Any
 
 import pytest
 
@@ -22,13 +15,8 @@ SEED = 13
 LONG = 100
 SHOWN = 20
 #: What is public and not called here, and why; classes of what public functions return are called by these.
-ELSEWHERE = {
-    "InputError": "an exception",
-    "InputWarning": "a warning",
-    "table": "see `tables`",
-    "synthesise": "see tests/synthesis",
-    "linkage": "see tests/mechanisms/linkages",
-}
+ELSEWHERE = {"InputError": "an exception", "InputWarning": "a warning", "table": "see `tables`"}
+ELSEWHERE |= {"synthesise": "see tests/synthesis", "linkage": "see tests/mechanisms/linkages"}
 #: Arguments that are not tried, and why.
 UNTRIED = {
     **dict.fromkeys(("table.source", "table.keep", "table.allow_invalid"), "see `tables`"),
@@ -51,7 +39,7 @@ UNTRIED = {
 
 
 @pytest.fixture(scope="module")
-def names(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
+def names(tmp_path_factory):
     """Return what the lines of cases are made of, in a folder of their own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("hostile"))
@@ -59,25 +47,25 @@ def names(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
 
 
 @pytest.mark.parametrize("part", PARTS)
-def test_hostile_input_is_refused_or_means_what_it_says(part: str, names: dict[str, Any]) -> None:
+def test_hostile_input_is_refused_or_means_what_it_says(part, names):
     counts, failures = judge_all(draw(part, SEED), names)
     assert sum(counts.values()) > 0.8 * PARTS[part][1]
     assert not failures, f"{len(failures)} failed\n" + "\n".join(failures[:SHOWN])
 
 
 @pytest.mark.parametrize("part", PARTS)
-def test_the_same_seed_draws_the_same_cases(part: str) -> None:
+def test_the_same_seed_draws_the_same_cases(part):
     assert list(draw(part, SEED)) == list(draw(part, SEED)) != list(draw(part, SEED + 1))
 
 
-def test_every_parameter_of_every_public_function_is_tried() -> None:
+def test_every_parameter_of_every_public_function_is_tried():
     public = {
         name: one for name in dir(fl) if callable(one := getattr(fl, name)) and not inspect.isclass(one)
     }
     for package in ("planar", "focal", "minkowski", "hart"):
         functions = ((name, getattr(getattr(fl, package), name)) for name in getattr(fl, package).__all__)
         public |= {f"{package}.{name}": one for name, one in functions if not inspect.isclass(one)}
-    tried: dict[str, set[str]] = {}
+    tried = {}
     for door in DOORS:
         tried.setdefault(door.name, set()).update(door.slots)
     assert public.keys() - tried.keys() <= ELSEWHERE.keys()
@@ -103,16 +91,14 @@ def test_every_parameter_of_every_public_function_is_tried() -> None:
         ("fl.grid(a1=0.4)", "accepted"),
     ],
 )
-def test_the_judge_sees_what_must_not_happen(
-    text: str, why: str, names: dict[str, Any], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_judge_sees_what_must_not_happen(text, why, names, monkeypatch):
     monkeypatch.setattr(judge, "SECONDS", 0.3)
     verdict, found = judged("refused", text, text, names | {"hang": lambda: [0 for _ in iter(int, 1)]})
     assert verdict == "failed"
     assert why in found
 
 
-def test_the_judge_sees_a_wrong_number(names: dict[str, Any]) -> None:
+def test_the_judge_sees_a_wrong_number(names):
     text, plain = "fl.grid(a1=0.4)", "fl.grid(a1=0.5)"
     assert judged("taken", text, text, names)[0] == "taken"
     assert judged("taken", text, plain, names)[0] == "failed"
@@ -121,7 +107,7 @@ def test_the_judge_sees_a_wrong_number(names: dict[str, Any]) -> None:
 
 @pytest.mark.stress
 @pytest.mark.parametrize("part", [*PARTS, "each value at each argument"])
-def test_much_more_hostile_input(part: str, names: dict[str, Any], tell: Callable[[str], None]) -> None:
+def test_much_more_hostile_input(part, names, tell):
     counts, failures = judge_all(draw(part, SEED + 1, LONG) if part in PARTS else singles(), names)
     tell(f"{part}\n{table_of(counts)}")
     assert not failures, f"{len(failures)} failed\n" + "\n".join(failures[:SHOWN])

@@ -1,13 +1,9 @@
 """Texts as people have them, each with what it means: tables, studies and command lines."""
 
-from __future__ import annotations
-
 import json
 import random
 import tomllib
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -51,12 +47,12 @@ FORMATS = {
 LINES = ["1", "1,2,3,4,5,6,7", ",".join(BASE), "# a comment", "a1", '"', "\x00", "\x1a", "é", "\ufeff1"]
 
 
-def pick(rng: random.Random, choices: dict[str, list[Any]]) -> tuple[str, Any]:
+def pick(rng, choices):
     """Return an entry, all as likely, and what may come of it."""
     return rng.choice([(verdict, one) for verdict, entries in choices.items() for one in entries])
 
 
-def bytes_changed(rng: random.Random, data: bytes) -> bytes:
+def bytes_changed(rng, data):
     """Return a text with a few bytes flipped, cut off, put in or left out."""
     place = rng.randrange(len(data))
     before, after = data[:place], data[place:]
@@ -66,7 +62,7 @@ def bytes_changed(rng: random.Random, data: bytes) -> bytes:
     )
 
 
-def tables(seed: int, count: int) -> Iterator[tuple[str, str, str, str]]:
+def tables(seed, count):
     """Yield the call, what may come of it, source text and plain text of the tables of a seed."""
     rng = random.Random(seed)
     for _ in range(count):
@@ -153,7 +149,7 @@ KEYS = texts_of(
 KEYS += ["a1 ", "", "a\nb", "\x00", "x" * 3000]
 
 
-def _changed(rng: random.Random, text: str) -> str:
+def _changed(rng, text):
     """Return a study with another value, key or line somewhere."""
     lines = text.splitlines()
     place = rng.randrange(len(lines))
@@ -177,7 +173,7 @@ def _changed(rng: random.Random, text: str) -> str:
     return "\n".join([*lines[:place], *changed[kind], *lines[place + 1 :]])
 
 
-def _rewritten(rng: random.Random, text: str) -> bytes:
+def _rewritten(rng, text):
     """Return the text of a study with another encoding, other bytes or another end."""
     encoding = rng.choice(["utf-16", "utf-16-le", "utf-32", "cp037", "utf-8-sig"])
     end = rng.choice(["\r\n", "\r", "\n\n", "\x0b", "\u2028"])
@@ -196,7 +192,7 @@ def _rewritten(rng: random.Random, text: str) -> bytes:
     )
 
 
-def studies(seed: int, count: int) -> Iterator[str]:
+def studies(seed, count):
     """Yield the calls with the studies of a seed."""
     rng = random.Random(seed)
     shipped = [path.read_text() for path in SHIPPED]
@@ -209,7 +205,7 @@ def studies(seed: int, count: int) -> Iterator[str]:
         yield f"{rng.choice(doors)}({data!r})"
 
 
-def numbers_meant(given: Any) -> Any:
+def numbers_meant(given):
     """Return the numbers that a value of [design] stands for, by the rules of docs/studies.md; ValueError for none."""
     if type(given) in (int, float) and abs(given) < float("inf"):
         return float(given)
@@ -223,7 +219,7 @@ def numbers_meant(given: Any) -> Any:
     raise ValueError(f"{given!r} stands for no numbers")
 
 
-def meant(data: bytes) -> dict[str, Any]:
+def meant(data):
     """Return the numbers of each input of a study; of one with a sample or a table of designs its constants."""
     design = tomllib.loads(data.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n"))["design"]
     if {"sobol", "latin_hypercube", "table"} & set(design):
@@ -270,7 +266,7 @@ WORDS = texts_of(
 WORDS += ["", " ", "1" * 400, "a" * 5000, "a" * 300 + ".h5", "\x1b[31m", "a\nb", "a\tb", "\udcff", "\ufffe"]
 
 
-def command_lines(seed: int, count: int) -> Iterator[list[str]]:
+def command_lines(seed, count):
     """Yield the words of the command lines of a seed."""
     rng = random.Random(seed)
     for _ in range(count):

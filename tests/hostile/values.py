@@ -4,8 +4,6 @@ Texts stand in blocks, two blanks or more apart; ``{x}`` is the value that the a
 stands the plain value that is meant, where it is another text.
 """
 
-from __future__ import annotations
-
 import re
 from typing import NamedTuple
 
@@ -20,32 +18,32 @@ class Value(NamedTuple):
     verdict: str
     plain: str
 
-    def about(self, x: str) -> Value:
+    def about(self, x):
         """Return the value where the argument usually is `x`."""
         return Value(self.text.replace("{x}", x), self.verdict, self.plain.replace("{x}", x))
 
 
-def texts_of(block: str, between: str = r"\s{2,}") -> list[str]:
+def texts_of(block, between=r"\s{2,}"):
     """Return the texts of a block."""
     return re.split(between, block.strip())
 
 
-def _values(verdict: str, block: str) -> list[Value]:
+def _values(verdict, block):
     pairs = (text.partition(" => ") for text in texts_of(block))
     return [Value(text, verdict, plain or text) for text, _, plain in pairs]
 
 
-def refused(block: str) -> list[Value]:
+def refused(block):
     """Return values that are refused."""
     return _values(REFUSED, block)
 
 
-def taken(block: str) -> list[Value]:
+def taken(block):
     """Return values that are taken for what they mean."""
     return _values(TAKEN, block)
 
 
-def either(block: str) -> list[Value]:
+def either(block):
     """Return values that are refused, or taken for what they mean."""
     return _values(EITHER, block)
 
@@ -156,7 +154,7 @@ MODES = refused(
 POSITIVE = NOT_A_NUMBER + OTHER_UNITS + EMPTY + ONE_NUMBER + EXTREME + NOT_POSITIVE
 
 #: By what an argument is.
-ROLES: dict[str, list[Value]] = {
+ROLES = {
     # the numbers of an axis of designs, whose units a sweep checks
     "axis": NOT_A_NUMBER + EMPTY + NUMBERS + SIGNED,
     "axis of lengths": NOT_A_NUMBER + EMPTY + NUMBERS + NOT_POSITIVE,

@@ -1,14 +1,12 @@
 """What the tests of files share."""
 
-from __future__ import annotations
-
 import pytest
 
 from fastlink.io import checksums
 
 
 @pytest.fixture
-def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+def small_blocks(monkeypatch):
     """Make the blocks of checksums as small as those of a large map are to it."""
     for module in ("checksums", "writer"):
         monkeypatch.setattr(f"fastlink.io.{module}.BLOCK_BYTES", 256)

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
-from numpy.testing import assert_array_equal
+from numpy.testing import assert_allclose, assert_array_equal
 from pyarrow import parquet
 from tests.support.map_files import digest, left_in, raising
 from tests.support.refusals import refused
@@ -89,7 +89,7 @@ def assert_same(one, other):
     }
     for name, array in other.variables.items():
         for key, value in array.attrs.items():
-            np.testing.assert_array_equal(one[name].attrs[key], value)
+            assert_array_equal(one[name].attrs[key], value)
 
 
 @pytest.mark.sample(1)
@@ -195,7 +195,7 @@ def test_a_workbook_has_the_numbers_and_says_what_they_are(tmp_path):
     table = pd.read_excel(path)
     assert table.a1.tolist() == [0.4, 0.9]
     # a rate is infinite at a toggle, which Excel has no number for
-    np.testing.assert_allclose(table.omega4_max.astype(float), maps.omega4_max, rtol=1e-15)
+    assert_allclose(table.omega4_max.astype(float), maps.omega4_max, rtol=1e-15)
     about = pd.read_excel(path, sheet_name="columns", index_col=0)
     assert about.units["omega4_max"] == "rad s-1"
     assert about.meaning["omega4_max"] == maps.omega4_max.attrs["long_name"]
@@ -203,11 +203,17 @@ def test_a_workbook_has_the_numbers_and_says_what_they_are(tmp_path):
     assert left_in(tmp_path) == ["out.xlsx"]
 
 
-def test_a_map_of_too_many_rows_for_excel_is_refused(grid, tmp_path, monkeypatch):
+def test_too_many_rows_and_rows_of_two_kinds_are_refused(grid, tmp_path, monkeypatch):
     monkeypatch.setattr("fastlink.io.convert.MOST_ROWS", 100)
     with refused("to", "write a .csv"):
         fl.convert(grid, tmp_path / "out.xlsx")
     assert left_in(tmp_path) == []
+    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+    maps = sweep_4r(space, ["theta4", "omega4_extrema"], angles=8)
+    with refused("quantities", "choose"):
+        fl.convert(maps, tmp_path / "out.csv")
+    fl.convert(maps, tmp_path / "out.csv", quantities=["theta4"])
+    assert len(pd.read_csv(tmp_path / "out.csv")) == 2 * 2 * 8
 
 
 @pytest.mark.sample(1)
@@ -248,14 +254,8 @@ def test_attributes_of_a_part_are_not_those_of_the_whole(grid, tmp_path):
     assert list(part.data_vars) == ["theta4", "status"]
     assert part.title.endswith(": theta4, status")
     assert part.selection == "a2=1.1:1.2"
-    of_run = (
-        "run_time_s",
-        "verified_designs",
-        "verify_",
-        "designs_per_second",
-        "fingerprint",
-        "written_time_ns",
-    )
+    of_run = ("run_time_s", "verified_designs", "verify_")
+    of_run += ("designs_per_second", "fingerprint", "written_time_ns")
     assert not [name for name in part.attrs if name.startswith(of_run)]
     assert part.source_verified_designs == 8
     assert "verified_values" not in part.theta4.attrs
@@ -302,15 +302,12 @@ def test_rounding_is_as_the_attributes_say(grid, tmp_path):
     assert "float32" in fl.open(tmp_path / "f4.nc").fastlink.summary()
 
 
-def test_what_float32_cannot_hold_is_said(tmp_path):
+def test_what_float32_and_axes_do_not_hold_is_said(tmp_path, grid):
     space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=[25.0, 1e24])
     maps = fl.sweep("planar_4r", space, ["alpha4_max"], branch=1)
     with pytest.warns(fl.InputWarning, match="2 of alpha4_max"):
         path = fl.convert(maps, tmp_path / "f4.h5", dtype="float32")
     assert loaded(path).rounding_overflows == "alpha4_max: 2"
-
-
-def test_an_absent_value_of_an_axis_is_the_nearest_with_a_remark(grid, tmp_path):
     with pytest.warns(fl.InputWarning, match="the nearest, 0.5, is taken"):
         part = loaded(fl.convert(grid, tmp_path / "part.h5", select={"a1": 0.51}))
     assert float(part.a1) == 0.5
@@ -586,13 +583,6 @@ def test_a_partial_file_of_a_sweep_is_kept(grid, tmp_path, monkeypatch):
     assert left_in(tmp_path) == ["m.h5.part", "m.h5.part.journal"]
 
 
-def long_table(maps):
-    """The rows as xarray and pandas make them."""
-    wide = maps.load()
-    frame = wide.to_dataframe(dim_order=list(wide.theta4.dims)).reset_index()
-    return frame.drop(columns=[name for name in frame if name not in wide.variables])
-
-
 @pytest.mark.sample(1)
 @pytest.mark.parametrize(
     ("kind", "options"),
@@ -600,7 +590,9 @@ def long_table(maps):
 )
 def test_tables_have_a_row_for_each_configuration(request, tmp_path, small_blocks, kind, options):
     path = request.getfixturevalue(kind)
-    expected = long_table(loaded(fl.convert(path, tmp_path / "same.h5", **options)))
+    wide = loaded(fl.convert(path, tmp_path / "same.h5", **options))
+    expected = wide.to_dataframe(dim_order=list(wide.theta4.dims)).reset_index()
+    expected = expected.drop(columns=[name for name in expected if name not in wide.variables])
     text = pd.read_csv(fl.convert(path, tmp_path / "out.csv", **options), dtype=str)
     table = pd.read_parquet(fl.convert(path, tmp_path / "out.parquet", **options))
     assert set(table) == set(text) == set(expected)
@@ -624,15 +616,6 @@ def test_designs_are_read_back_from_a_table(grid, tmp_path):
         again = sweep_4r(space, ["theta4_max"])
     straight = sweep_4r(whole(grid).fastlink.designs, ["theta4_max"])
     assert_array_equal(again.theta4_max.values.reshape(-1), straight.theta4_max.values.reshape(-1))
-
-
-def test_a_table_has_one_kind_of_rows(tmp_path):
-    space = fl.grid(a1=0.4, a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
-    maps = sweep_4r(space, ["theta4", "omega4_extrema"], angles=8)
-    with refused("quantities", "choose"):
-        fl.convert(maps, tmp_path / "out.csv")
-    fl.convert(maps, tmp_path / "out.csv", quantities=["theta4"])
-    assert len(pd.read_csv(tmp_path / "out.csv")) == 2 * 2 * 8
 
 
 def test_names_of_designs_come_along(tmp_path):

@@ -1,15 +1,12 @@
 """Bits that change in a map are noticed; whatever changes in what a killed run left, the next one ends right."""
 
-from __future__ import annotations
-
 import itertools
 import os
 import shutil
 import warnings
 import zlib
 from collections import Counter
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -52,17 +49,9 @@ KINDS = {
 
 
 class Files:
-    """A whole map, and what an interrupted run of the same request left, in a layout.
+    """A whole map, and what an interrupted run of the same request left, in a layout."""
 
-    Attributes
-    ----------
-    contents : dict
-        The bytes of each file.
-    regions : dict
-        The numbers of the bytes of each region of each file.
-    """
-
-    def __init__(self, folder: Path, layout: str, patch: pytest.MonkeyPatch) -> None:
+    def __init__(self, folder, layout, patch):
         self.layout = layout
         with sweep(None, layout=layout) as found:
             self.expected = found.load()
@@ -84,7 +73,7 @@ class Files:
         }
         shutil.rmtree(folder)
 
-    def damaged(self, kind: Kind, rng: Any) -> dict[str, bytes]:
+    def damaged(self, kind, rng):
         """Return the bytes of all files, one of which has one bit changed, or has lost its end."""
         content, place = bytearray(self.contents[kind.file]), rng.choice(self.regions[kind.file][kind.region])
         if kind.region == "end":
@@ -94,7 +83,7 @@ class Files:
         return {**self.contents, kind.file: bytes(content)}
 
 
-def _of_hdf5(path: Path, nbytes: int) -> dict[str, Any]:
+def _of_hdf5(path, nbytes):
     """Return the bytes of the values of a file, and those before their end that are of labels; all bytes to there."""
     of_values = np.zeros(nbytes, bool)
     with h5py.File(path) as file:
@@ -111,7 +100,7 @@ def _of_hdf5(path: Path, nbytes: int) -> dict[str, Any]:
     }
 
 
-def checked(folder: Path, contents: dict[str, bytes]) -> str:
+def checked(folder, contents):
     """Return what a check says of a changed map."""
     (folder / "m.h5").write_bytes(contents["map"])
     try:
@@ -120,7 +109,7 @@ def checked(folder: Path, contents: dict[str, bytes]) -> str:
         return NOTICED
 
 
-def resumed(folder: Path, contents: dict[str, bytes], files: Files) -> str:
+def resumed(folder, contents, files):
     """Return how the run ends that goes on with changed files."""
     path = folder / "m.h5"
     (folder / "m.h5.part").write_bytes(contents["part"])
@@ -137,14 +126,15 @@ def resumed(folder: Path, contents: dict[str, bytes], files: Files) -> str:
         return RIGHT if found.attrs.get("designs_of_earlier_runs") == 40 else AGAIN
 
 
-def outcomes(tmp_path, patch, form, seed):
-    """Return how often each kind of damage ended how, and what was wrong."""
-    rng, table, wrong = np.random.default_rng(seed), Counter(), []
-    patch.setattr(partial_file, "STEP_SECONDS", 0.0)
+@pytest.mark.parametrize("form", ["short", pytest.param("long", marks=pytest.mark.stress)])
+def test_damage_is_noticed_or_mended(form, tmp_path, monkeypatch, small_blocks, tell):
+    """Of a map all of it is noticed; nothing wrong comes of it in what an interrupted run has left."""
+    rng, table, wrong = np.random.default_rng(len(form)), Counter(), []
+    monkeypatch.setattr(partial_file, "STEP_SECONDS", 0.0)
     both = []
     for layout in LAYOUTS:
         (tmp_path / layout).mkdir()
-        both.append(Files(tmp_path / layout, layout, patch))
+        both.append(Files(tmp_path / layout, layout, monkeypatch))
     for name, kind in KINDS.items():
         for trial in range(getattr(kind, form)):
             files, folder = both[trial % 2], tmp_path / "trial"
@@ -157,29 +147,13 @@ def outcomes(tmp_path, patch, form, seed):
                 wrong.append((name, trial, f"{type(error).__name__}: {error}"[:300]))
             table[name, ended] += 1
             shutil.rmtree(folder)
-    return table, wrong
-
-
-def assert_none_is_wrong(table, wrong):
-    assert not sum(count for (_, end), count in table.items() if end == WRONG), (table, wrong)
-    assert all(
-        table[name, NOTICED] == sum(n for (which, _), n in table.items() if which == name)
-        for name, kind in KINDS.items()
-        if kind.file == "map"
-    )
-
-
-def test_damage_is_noticed_or_mended(tmp_path, monkeypatch, small_blocks):
-    assert_none_is_wrong(*outcomes(tmp_path, monkeypatch, "short", seed=1))
-
-
-@pytest.mark.stress
-def test_damage_is_noticed_or_mended_a_thousand_times(tmp_path, monkeypatch, small_blocks, tell):
-    table, wrong = outcomes(tmp_path, monkeypatch, "long", seed=2)
     tell(str(table))
-    assert_none_is_wrong(table, wrong)
+    assert not sum(count for (_, end), count in table.items() if end == WRONG), (table, wrong)
+    for name, kind in KINDS.items():
+        all_of_kind = sum(count for (which, _), count in table.items() if which == name)
+        assert kind.file != "map" or table[name, NOTICED] == all_of_kind
     for name in ("values of a partial file", "a journal's head"):
-        assert table[name, AGAIN], "nothing was damaged that counts"
+        assert form == "short" or table[name, AGAIN], "nothing was damaged that counts"
 
 
 @pytest.fixture(scope="module")
@@ -408,16 +382,13 @@ def test_what_has_changed_is_told(tmp_path, small_blocks):
     assert "values of theta4 have changed, between number 32 and 63" in str(found)
 
 
-def test_a_file_without_checksums_is_refused(tmp_path):
+@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")
+def test_files_without_checksums_and_files_that_cannot_be_read_are_refused(tmp_path):
+    """HDF5 adds the time and an address, which differ from call to call."""
+    with refused("cannot be read (Input/output error)", "give a map that a sweep has written"):
+        fl.check("/proc/self/mem")
     path = Sample().save(tmp_path / "m.h5")
     with h5py.File(path, "r+") as file:
         del file["checksums"]
     with refused("m.h5", "write it again"):
         fl.check(path)
-
-
-@pytest.mark.skipif(not os.path.exists("/proc/self/mem"), reason="of Linux")
-def test_a_file_that_cannot_be_read_is_refused_in_the_words_of_the_system():
-    """HDF5 adds the time and an address, which differ from call to call."""
-    with refused("cannot be read (Input/output error)", "give a map that a sweep has written"):
-        fl.check("/proc/self/mem")

@@ -1,7 +1,5 @@
 """Whatever happens to a run, nothing finished is touched, nothing noted is lost, nothing wrong gets the name."""
 
-from __future__ import annotations
-
 import contextlib
 import errno
 import os
@@ -17,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.faults import CODES, FAULTS, Outcome, Trials, library
+from tests.support.faults import CODES, FAULTS, Trials, library
 from tests.support.map_files import Sample, digest, failing_after, left_in, raising
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r
@@ -53,9 +51,6 @@ def assert_resumes(path, expected, designs):
         for name in expected:
             assert_array_equal(resumed[name], expected[name], err_msg=name)
     assert left_in(path.parent) == [path.name]
-
-
-# --- nothing finished is touched -------------------------------------------------------------------
 
 
 def test_a_second_name_that_a_kill_has_left_of_a_map_is_not_emptied(tmp_path):
@@ -110,9 +105,6 @@ def test_a_whole_map_without_its_name_is_refused_to_another_request(tmp_path):
     assert digest(part) == before
     sweep(path, restart=True).close()
     assert left_in(tmp_path) == ["m.h5"]
-
-
-# --- nothing noted is lost -------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), OSError(errno.EIO, "I/O")])
@@ -257,15 +249,12 @@ def test_an_interrupt_of_the_verification_keeps_all_designs(tmp_path, monkeypatc
     assert_resumes(path, expected, 64)
 
 
-# --- faults by the hundred -------------------------------------------------------------------------
-
-
 def trial_sweep(to, **options):
     """Make the map of the trials."""
     return sweep(to, verify=0, **options)
 
 
-def survived(folder: Path, expected, fault: str, outcome: Outcome, before: int) -> int:
+def survived(folder, expected, fault, outcome, before):
     """Assert what must hold after a fault; return how many designs are noted."""
     path = folder / "m.h5"
     # HDF5 reports a failed close of what was opened to be read in words of its own; of an interrupt within one of its
@@ -293,7 +282,7 @@ def assert_is(path, expected):
             assert_array_equal(turned, expected[name], err_msg=name)
 
 
-def goes_on(folder: Path, expected, noted: int, **options):
+def goes_on(folder, expected, noted, **options):
     """Assert that the next run ends well, and takes over what was noted."""
     was_there = (folder / "m.h5").exists()
     with trial_sweep(folder / "m.h5", **options) as found:

@@ -1,9 +1,4 @@
-"""Disks that fill up as a map is converted: file systems of a few megabytes, filled up by another program.
-
-Sweeps on full disks are among the faults of system calls (test_faults.py).
-
-They are mounted for the tests, which the system allows to some only.
-"""
+"""Disks that fill up as a map is converted: file systems of a few megabytes, filled up by another program."""
 
 import contextlib
 import os

@@ -264,7 +264,7 @@ DESCRIBED = dict.fromkeys(["a1", "a2", "a3", "a4"], METRE)
 BRANCH = {"branch": (("branch",), np.array([1, 2], dtype="i1"), {"long_name": "assembly mode"})}
 
 
-def test_a_grid_has_axes_as_index_coordinates_and_constants_as_scalars():
+def test_axes_and_columns_are_coordinates_and_constants_scalars():
     coords = coordinates(grid(a1=0.4, a2=[1.0, 2.0], a3=[3.0, 4.0, 5.0]), DESCRIBED, BRANCH)
     assert dict(coords.sizes) == {"a2": 2, "a3": 3, "branch": 2}
     assert set(coords.indexes) == {"a2", "a3", "branch"}
@@ -275,9 +275,6 @@ def test_a_grid_has_axes_as_index_coordinates_and_constants_as_scalars():
     assert coords["a1"].attrs == coords["a2"].attrs == METRE
     assert coords["branch"].attrs == {"long_name": "assembly mode"}
     assert coords.attrs == {"design_kind": "grid"}
-
-
-def test_a_table_has_its_columns_along_design():
     coords = coordinates(table({"a1": [0.4, 0.4, 0.6], "a4": 1.0}), DESCRIBED, {})
     assert dict(coords.sizes) == {"design": 3}
     assert set(coords.indexes) == {"design"}
@@ -287,11 +284,6 @@ def test_a_table_has_its_columns_along_design():
     assert_array_equal(coords["a1"], [0.4, 0.4, 0.6])
     assert coords["a1"].attrs == METRE
     assert coords.attrs == {"design_kind": "table"}
-
-
-def test_a_further_coordinate_does_not_hide_an_input():
-    with pytest.raises(ValueError, match="'a1' is an input of the design space already"):
-        coordinates(grid(a1=0.4), DESCRIBED, {"a1": ((), np.array(1.0), {})})
 
 
 def test_assemble_refuses_what_does_not_fit():
@@ -313,13 +305,15 @@ def test_assemble_refuses_what_does_not_fit():
         attempt("x", ("a2",), (2,), "f4")
 
 
-def test_a_variable_knows_its_size_and_checks_itself():
+def test_a_variable_knows_its_size_and_coordinates_do_not_hide_inputs():
     assert Variable("x", ("a", "b"), (3, 5), np.dtype("f4"), {}).nbytes == 60
     assert Variable("x", (), (), np.dtype("f8"), {}).nbytes == 8
     with pytest.raises(ValueError, match=r"x: dimensions \('a',\) but shape \(3, 5\)"):
         Variable("x", ("a",), (3, 5), np.dtype("f8"), {})
     with pytest.raises(TypeError, match="x: dtype bool is neither integer nor floating point"):
         Variable("x", ("a",), (3,), np.dtype(bool), {})
+    with pytest.raises(ValueError, match="'a1' is an input of the design space already"):
+        coordinates(grid(a1=0.4), DESCRIBED, {"a1": ((), np.array(1.0), {})})
 
 
 def test_attributes_are_plain():

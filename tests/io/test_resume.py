@@ -343,26 +343,28 @@ def test_another_request_is_refused_with_what_differs(path, change, differs, not
     assert path.read_bytes() == before
 
 
-def test_long_attributes_are_compared_to_their_last_value(tmp_path):
+def test_more_verified_designs_and_the_last_value_of_a_long_attribute_make_another_request(tmp_path):
     values = np.arange(5000.0)
     swept(tmp_path / "maps.h5", attrs={"weights": values}).close()
     swept(tmp_path / "maps.h5", attrs={"weights": values}).close()
     with refused("other weights"):
         swept(tmp_path / "maps.h5", attrs={"weights": np.where(values == 2500.0, -1.0, values)})
+    swept(tmp_path / "verified.h5", verify=0).close()
+    with refused("with 0 verified designs, not 2"):
+        swept(tmp_path / "verified.h5", verify=64)
 
 
-def test_a_table_that_changed_since_is_another_request(tmp_path):
-    path, table = tmp_path / "maps.h5", tmp_path / "designs.csv"
+def test_a_table_or_map_that_changed_since_is_another_request_and_so_is_another_version(
+    tmp_path, path, monkeypatch
+):
+    of_table, table = tmp_path / "of_table.h5", tmp_path / "designs.csv"
     table.write_text("a1,a2\n0.4,1.1\n0.5,1.2\n")
     constants = {"a3": 0.8, "a4": 1.0, "omega1": 2.0}
-    swept(path, space=fl.table(table).with_constants(constants)).close()
-    swept(path, space=fl.table(table).with_constants(constants)).close()
+    swept(of_table, space=fl.table(table).with_constants(constants)).close()
+    swept(of_table, space=fl.table(table).with_constants(constants)).close()
     table.write_text("a1,a2\n0.4,1.1\n0.5,1.3\n")
     with refused("other a2"):
-        swept(path, space=fl.table(table).with_constants(constants))
-
-
-def test_a_map_that_was_changed_since_is_not_up_to_date(path, tmp_path):
+        swept(of_table, space=fl.table(table).with_constants(constants))
     time.sleep(0.02)  # two ticks of a kernel's clock of 100 Hz
     with h5py.File(path, "r+") as file:
         file["omega4"][0, 0, 0] = 7.0
@@ -374,15 +376,6 @@ def test_a_map_that_was_changed_since_is_not_up_to_date(path, tmp_path):
     swept(tmp_path / "copy.h5").close()  # a copy with its times
     os.utime(path, ns=(0, path.stat().st_mtime_ns // 10**9 * 10**9))
     swept(path).close()  # moved to a file system that knows whole seconds
-
-
-def test_more_verified_designs_than_there_are_is_another_request(tmp_path):
-    swept(tmp_path / "maps.h5", verify=0).close()
-    with refused("with 0 verified designs, not 2"):
-        swept(tmp_path / "maps.h5", verify=64)
-
-
-def test_a_map_by_another_version_is_not_up_to_date(path, monkeypatch):
     from fastlink.engine import labels, resolve
 
     monkeypatch.setattr(labels, "__version__", "9.9")

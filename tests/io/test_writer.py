@@ -24,8 +24,6 @@ from fastlink.io.reader import open_map
 from fastlink.io.writer import Writer, lay_out
 from fastlink.space.samplers import grid
 
-# --- what is in the file ---------------------------------------------------------------------------
-
 
 @pytest.mark.parametrize("space", SPACES.values(), ids=SPACES)
 def test_the_file_equals_the_dataset_in_memory_in_both_engines(tmp_path, space):
@@ -70,10 +68,14 @@ def test_the_layout_is_contiguous_aligned_and_without_slack(tmp_path):
     assert 160_000 < path.stat().st_size < 160_000 + 40_000
 
 
-# --- how it appears --------------------------------------------------------------------------------
-
-
-def test_the_name_exists_only_when_the_file_is_complete(tmp_path):
+def test_the_name_exists_only_when_the_file_is_finished(tmp_path):
+    with Sample().writer(tmp_path / "m.h5") as writer:
+        pass
+    assert left_in(tmp_path) == []
+    with pytest.raises(ValueError, match="the file is closed"):
+        writer.write("status", 0, np.zeros(1, "i1"))
+    with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
+        writer.finish({})
     sample = Sample()
     with sample.writer(tmp_path / "m.h5") as writer:
         sample.fill(writer)
@@ -99,34 +101,20 @@ def test_a_failed_run_leaves_nothing(tmp_path, moment):
     assert left_in(tmp_path) == []
 
 
-def test_a_run_that_is_not_finished_leaves_nothing(tmp_path):
-    with Sample().writer(tmp_path / "m.h5") as writer:
-        pass
-    assert left_in(tmp_path) == []
-    with pytest.raises(ValueError, match="the file is closed"):
-        writer.write("status", 0, np.zeros(1, "i1"))
-    with pytest.raises(RuntimeError, match="0 of 9 values of omega4_max were written"):
-        writer.finish({})
-
-
-def test_who_has_an_overwritten_file_open_goes_on_reading_it(tmp_path):
-    old, new = Sample(seed=0), Sample(seed=1)
-    path = old.save(tmp_path / "m.h5")
-    with open_map(path) as reader:
-        new.save(path, overwrite=True)
-        xr.testing.assert_identical(reader, old.expected())
-    with open_map(path) as reader:
-        xr.testing.assert_identical(reader, new.expected())
-    assert left_in(tmp_path) == ["m.h5"]
-
-
-def test_an_existing_file_is_kept_unless_overwritten(tmp_path):
+def test_an_existing_file_is_kept_unless_overwritten_for_whom_has_it_open_even_then(tmp_path):
     path = Sample().save(tmp_path / "m.h5")
     before = digest(path)
     with pytest.raises(InputError) as caught:
         Sample(seed=1).writer(path)
     assert str(caught.value) == f"to: {path}: the file exists; choose another name, or write overwrite=True"
     assert digest(path) == before
+    assert left_in(tmp_path) == ["m.h5"]
+    old, new = Sample(), Sample(seed=1)
+    with open_map(path) as reader:
+        new.save(path, overwrite=True)
+        xr.testing.assert_identical(reader, old.expected())
+    with open_map(path) as reader:
+        xr.testing.assert_identical(reader, new.expected())
     assert left_in(tmp_path) == ["m.h5"]
 
 
@@ -191,9 +179,6 @@ def test_a_link_is_followed(tmp_path):
     Sample().save(tmp_path / "link.h5")
     assert left_in(tmp_path / "there") == ["m.h5"]
     assert (tmp_path / "link.h5").is_symlink()
-
-
-# --- what is refused -------------------------------------------------------------------------------
 
 
 BLOCKS = {
@@ -315,8 +300,6 @@ def test_chunks_need_dask(tmp_path, monkeypatch):
 
 # == The place of a map file: other processes, systems that lack something, full disks, bad places ===========
 
-# --- other processes -------------------------------------------------------------------------------
-
 
 def test_what_a_killed_run_left_is_replaced(tmp_path):
     path, part, killed = tmp_path / "m.h5", tmp_path / "m.h5.part", Sample()
@@ -412,8 +395,6 @@ def test_of_two_runs_that_start_at_once_one_is_refused(tmp_path):
         path.unlink()
 
 
-# --- systems that lack something -------------------------------------------------------------------
-
 LACKING = {
     "pwrite": lambda patch: patch.delattr(os, "pwrite"),
     "room for a whole write": lambda patch: patch.setattr(
@@ -439,16 +420,19 @@ def test_the_same_file_comes_out_where_the_system_lacks(tmp_path, monkeypatch, l
     assert left_in(tmp_path) == ["m.h5", "usual.h5"]
 
 
-# --- full disks ------------------------------------------------------------------------------------
-
-
-def test_what_a_killed_run_left_counts_as_free(tmp_path, monkeypatch):
+def test_free_room_counts_what_a_killed_run_left_and_a_folder_must_be_writable(tmp_path, monkeypatch):
     (tmp_path / "m.h5.part").write_bytes(b"x" * 4_000_000)
     monkeypatch.setattr(partial_file, "free_bytes", lambda path: output_path.SLACK)
     monkeypatch.setattr(output_path, "free_bytes", lambda path: output_path.SLACK)
     assert check_target(tmp_path / "m.h5", 3_900_000, False) == tmp_path / "m.h5"
     with pytest.raises(InputError, match=r"needs 5\.25 MB but 1\.05 MB are free"):
         check_target(tmp_path / "m.h5", 4_200_000, False)
+    # /proc refuses files to everyone, a folder of mode 0o500 to all but the superuser
+    folder = "/proc" if os.geteuid() == 0 else str(tmp_path)
+    tmp_path.chmod(0o500)
+    with pytest.raises(InputError, match=r"^.*m\.h5 cannot be written \(.*\); choose another place$"):
+        check_target(f"{folder}/m.h5", 0, False)
+    tmp_path.chmod(0o700)
 
 
 def in_another_process(folder, queue):
@@ -506,9 +490,6 @@ def test_a_disk_that_fills_up_as_room_is_reserved(tmp_path, monkeypatch, good_ca
     assert left_in(tmp_path) == []
 
 
-# --- bad places ------------------------------------------------------------------------------------
-
-
 def test_places_that_cannot_be_written(tmp_path, monkeypatch):
     def message(path):
         with pytest.raises(InputError) as caught:
@@ -552,12 +533,3 @@ def test_a_disk_that_fails(tmp_path, monkeypatch, moment, call, number, message)
     with pytest.raises(InputError, match=f"^to: {tmp_path}/m\\.h5{message}"):
         Sample().save(tmp_path / "m.h5", **failing)
     assert left_in(tmp_path) == []
-
-
-def test_a_folder_that_cannot_be_written(tmp_path):
-    # /proc refuses files to everyone, a folder of mode 0o500 to all but the superuser
-    folder = "/proc" if os.geteuid() == 0 else str(tmp_path)
-    tmp_path.chmod(0o500)
-    with pytest.raises(InputError, match=r"^.*m\.h5 cannot be written \(.*\); choose another place$"):
-        check_target(f"{folder}/m.h5", 0, False)
-    tmp_path.chmod(0o700)

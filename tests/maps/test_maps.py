@@ -37,9 +37,6 @@ def maps(path):
         return opened.load()
 
 
-# -- masks -----------------------------------------------------------------------------------------
-
-
 def test_masks_are_those_of_the_codes(maps):
     mask = maps.fastlink.status_is("rotates fully", "change_point")
     assert_array_equal(mask, maps.status.isin([0, 3]))
@@ -59,6 +56,10 @@ def test_what_is_masked_keeps_types_dimensions_and_labels(maps):
     assert masked.theta4.dims == maps.theta4.dims
     assert masked.theta4.attrs == maps.theta4.attrs
     assert masked.status.dtype == maps.status.dtype
+    broken = maps.copy()
+    broken["status"] = broken.status.assign_attrs(flag_values=[0, 1])
+    with refused("status", "flag_values"):
+        broken.fastlink.status_is("rotates_fully")
 
 
 def test_unknown_meanings_and_variables_are_refused(maps):
@@ -76,17 +77,7 @@ def test_unknown_meanings_and_variables_are_refused(maps):
         maps.mean("a1").fastlink.counts()
 
 
-def test_codes_whose_attributes_are_damaged_have_no_meanings(maps):
-    broken = maps.copy()
-    broken["status"] = broken.status.assign_attrs(flag_values=[0, 1])
-    with refused("status", "flag_values"):
-        broken.fastlink.status_is("rotates_fully")
-
-
-# -- infinite values -------------------------------------------------------------------------------
-
-
-def test_infinite_values_become_nan_and_are_counted(maps, path):
+def test_infinite_values_become_nan_and_are_counted_and_a_finite_map_is_drawn_by_xarray(maps, path):
     infinite = np.isinf(maps.omega4_max.values)
     assert infinite.any()
     for result in (maps.fastlink.finite(), fl.open(path).fastlink.finite()):
@@ -97,15 +88,9 @@ def test_infinite_values_become_nan_and_are_counted(maps, path):
     assert "infinite_values" not in maps.omega4_max.attrs
     again = maps.omega4_max.fastlink.finite().fastlink.finite()
     assert again.attrs["infinite_values"] == infinite.sum()
-
-
-def test_a_finite_map_is_drawn_by_xarray(maps):
     pytest.importorskip("matplotlib").use("agg")
     mesh = maps.fastlink.finite().omega4_max.isel(a4=0, branch=0).plot()
     assert np.isfinite(mesh.get_clim()).all()
-
-
-# -- units -----------------------------------------------------------------------------------------
 
 
 def test_angles_become_degrees_and_rates_stay(maps):
@@ -130,6 +115,10 @@ def test_units_are_converted_by_name(maps):
     assert maps.fastlink.units["omega4_max"] == "rad s-1"
     assert result.fastlink.units["omega4_max"] == "rpm"
     assert_allclose(maps.omega4_max.fastlink.convert("degree/s"), np.rad2deg(maps.omega4_max), rtol=1e-15)
+    with refused("omega4_mx", "omega4_max"):
+        maps.fastlink.convert(omega4_mx="rpm")
+    with refused("status", ""):
+        maps.fastlink.convert(status="rpm")
 
 
 @pytest.mark.parametrize("units", ["Hz", "m", "", 3, None, "**", "furlongs per", "kg m2 s-"])
@@ -150,23 +139,6 @@ def test_units_of_every_quantity_are_read_by_pint():
         _parsed(text, text)
 
 
-def test_names_without_units_are_refused(maps):
-    with refused("omega4_mx", "omega4_max"):
-        maps.fastlink.convert(omega4_mx="rpm")
-    with refused("status", ""):
-        maps.fastlink.convert(status="rpm")
-
-
-# -- best designs ----------------------------------------------------------------------------------
-
-
-def best_by_sorting(maps, name, n, largest, inside):
-    values = maps[name].values.ravel()
-    places = np.flatnonzero(np.isfinite(values) & inside.ravel())
-    order = np.argsort(-values[places] if largest else values[places], kind="stable")
-    return places[order][:n]
-
-
 @pytest.mark.sample(2)
 @pytest.mark.parametrize("block", [7, 1000, *(pytest.param(n, marks=pytest.mark.stress) for n in (1, 3, 20))])
 @pytest.mark.parametrize("largest", [True, False])
@@ -175,10 +147,12 @@ def test_the_best_designs_are_those_of_a_sort(maps, path, monkeypatch, block, la
     monkeypatch.setattr(best, "MOST_ROWS", block)
     mask = (maps.status == 0) & (maps.a4 > 0.95)
     inside = mask.broadcast_like(maps[name]).transpose(*maps[name].dims).values
-    expected = best_by_sorting(maps, name, 9, largest, inside)
+    values = maps[name].values.ravel()
+    places = np.flatnonzero(np.isfinite(values) & inside.ravel())
+    expected = places[np.argsort(-values[places] if largest else values[places], kind="stable")][:9]
     with fl.open(path) as opened:
         rows = opened.fastlink.top(9, name, largest=largest, where=mask).load()
-    assert_array_equal(rows[name], maps[name].values.ravel()[expected])
+    assert_array_equal(rows[name], values[expected])
     places = np.unravel_index(expected, maps[name].shape)
     for dim, numbers in zip(maps[name].dims, places, strict=True):
         assert_array_equal(rows[dim], maps[dim].values[numbers])
@@ -199,7 +173,7 @@ def test_equal_values_and_few_values(maps):
         maps.fastlink.top(3, "omega4_max", where="invalid_input")
 
 
-def test_meanings_of_status_select(maps):
+def test_meanings_of_status_select_and_the_best_are_swept_again_to_the_same_bits(maps):
     rows = maps.fastlink.top(5, "omega4_max", largest=False, where="rotates fully")
     assert (rows.status == 0).all()
     xr.testing.assert_identical(
@@ -207,6 +181,10 @@ def test_meanings_of_status_select(maps):
     )
     mean = maps.mean("a4").fastlink.top(2, "transmission_angle_min")
     assert mean.sizes["design"] == 2
+    rows = maps.sel(branch=2).fastlink.top(7, "omega4_max", where="rotates fully")
+    again = fl.sweep("planar_4r", rows.fastlink.designs, ["omega4_max", "transmission_angle_min"], branch=2)
+    for name in ("omega4_max", "transmission_angle_min"):
+        assert_array_equal(again[name], rows[name])
 
 
 def test_rankings_without_sense_are_refused(maps):
@@ -224,13 +202,6 @@ def test_rankings_without_sense_are_refused(maps):
         maps.fastlink.top(3, "omega4_max", where=maps.theta4 > 0)
     with refused("where", "rotates_fully"):
         maps.fastlink.top(3, "omega4_max", where="turns fully")
-
-
-def test_the_best_designs_are_swept_again_to_the_same_bits(maps):
-    rows = maps.sel(branch=2).fastlink.top(7, "omega4_max", where="rotates fully")
-    again = fl.sweep("planar_4r", rows.fastlink.designs, ["omega4_max", "transmission_angle_min"], branch=2)
-    for name in ("omega4_max", "transmission_angle_min"):
-        assert_array_equal(again[name], rows[name])
 
 
 @pytest.mark.parametrize("text", ["m**9**9**9**9", "(" * 3 + "m", "m" * 100, "m**99999999"])
@@ -252,13 +223,21 @@ def test_averages_of_codes_are_no_codes(maps):
             call(maps.mean("a1"))
 
 
-def test_stacked_maps(maps):
+def test_stacked_maps_and_maps_without_variables(maps):
     stacked = maps.stack(both=("a1", "theta1"))
     assert_array_equal(stacked.fastlink.finite().theta4, stacked.theta4)
     assert stacked.fastlink.where_status("rotates_fully").theta4.sizes == stacked.theta4.sizes
     with refused("theta1", "unstack"):
         stacked.fastlink.degrees()
     assert maps.stack(both=("a1", "a2")).fastlink.degrees().theta4.attrs["units"] == "degree"
+    empty = maps.fastlink.designs
+    for call in (
+        empty.fastlink.counts,
+        lambda: empty.fastlink.top(1, "omega4_max"),
+        lambda: fl.plot(empty, "omega4_max"),
+    ):
+        with refused("unknown", "there is none"):
+            call()
 
 
 def test_a_map_whose_file_is_gone_is_refused(maps, tmp_path):
@@ -274,17 +253,6 @@ def test_a_map_whose_file_is_gone_is_refused(maps, tmp_path):
         opened.fastlink.degrees,
     ):
         with refused("maps", "give the result of a sweep"):
-            call()
-
-
-def test_a_map_without_variables(maps):
-    empty = maps.fastlink.designs
-    for call in (
-        empty.fastlink.counts,
-        lambda: empty.fastlink.top(1, "omega4_max"),
-        lambda: fl.plot(empty, "omega4_max"),
-    ):
-        with refused("unknown", "there is none"):
             call()
 
 
@@ -401,16 +369,13 @@ def test_one_objective_and_its_conditions(maps_best):
     assert fl.best(maps_best, minimise="omega4_max").sizes["design"] == 10
 
 
-def test_a_condition_may_have_more_dimensions_than_the_objective(maps_best):
+def test_conditions_of_more_dimensions_and_infinite_objectives_count_as_asked(maps_best):
     """A design is a row in each assembly mode where the condition asks for one."""
     of_design = maps_best.assign(size=maps_best.a1 + maps_best.a2)
     found = fl.best(of_design, minimise="size", where={"theta4_max": (None, 0.0)}, top=5)
     wanted = (of_design["size"].where(maps_best.theta4_max <= 0.0)).values.ravel()
     assert_array_equal(found["size"], np.sort(wanted[np.isfinite(wanted)])[:5])
     assert (found.theta4_max <= 0.0).all()
-
-
-def test_infinite_objectives_count_if_asked(maps_best):
     without = fl.best(maps_best, maximise=["omega4_max", "a1"])
     assert np.isfinite(without.omega4_max).all()
     assert "infinite" in without.attrs["selection"]
@@ -421,14 +386,6 @@ def test_what_is_found_is_swept_again_to_the_same_bits(maps_best):
     found = fl.best(maps_best.sel(branch=1), maximise=["transmission_angle_min", "a1"], where="rotates fully")
     again = fl.sweep("planar_4r", found.fastlink.designs, ["omega4_max"], branch=1)
     assert_array_equal(again.omega4_max, found.omega4_max)
-
-
-def test_of_one_design_there_is_no_best():
-    one = sweep_4r({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"])
-    with refused("one alone", "sweep several"):
-        fl.best(one, minimise="swing")
-    with refused("swng", "'swing'"):
-        fl.best(one, minimise="swng")
 
 
 def test_where_nothing_meets_the_conditions_the_nearest_rows_are_the_answer(maps_best):
@@ -483,10 +440,15 @@ def test_questions_without_an_answer_are_refused(maps_best, key, remedy, options
         fl.best(maps_best, **options)
 
 
-def test_all_problems_are_told_together(maps_best):
+def test_of_one_design_there_is_no_best_and_all_problems_are_told_together(maps_best):
     with pytest.raises(fl.InputError) as caught:
         fl.best(maps_best, minimise=["omega_max", "a77"], where={"a9": (0, 1), "a1": (2, 1)}, top=0)
     assert len(str(caught.value).splitlines()) == 5
+    one = sweep_4r({"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}, ["swing"])
+    with refused("one alone", "sweep several"):
+        fl.best(one, minimise="swing")
+    with refused("swng", "'swing'"):
+        fl.best(one, minimise="swng")
 
 
 @pytest.mark.parametrize("most", [1, 2, 7, 60])

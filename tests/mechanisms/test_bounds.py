@@ -1,14 +1,11 @@
-"""Error bounds at degenerate designs and extreme inputs: they hold for the numbers as given, or are infinite.
-
-Values against the loops are held in tests/precision/test_loops.py; here are derivatives, and what a bound is where a
-value is none, where a gap of the lengths counts as zero, and where powers underflow. Extreme inputs have no sizes in
-common: an infinite error meets a slope of 0, or another infinite one.
-"""
+"""Error bounds at degenerate designs and extreme inputs: they hold for the numbers as given, or are infinite."""
 
 import contextlib
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
+from tests.support.configurations import numbers
 from tests.support.extremes import SEARCHED, bounded_extremes
 from tests.support.neighbourhoods import DRAWN
 from tests.support.sweeps import sweep_4r
@@ -22,12 +19,7 @@ from fastlink.plan.request import selected_variants
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 #: A change point but for 1e-16: the gap is within the rounding of the lengths.
-NEARLY = {
-    "a1": 0.6286585380403462,
-    "a2": 1.197852049758225,
-    "a3": 0.8341289441152699,
-    "a4": 0.9923816436833014,
-}
+NEARLY = numbers("a1=0.6286585380403462 a2=1.197852049758225 a3=0.8341289441152699 a4=0.9923816436833014")
 #: Inputs with respect to which derivatives are taken: a length, and some that stand in one term alone.
 BY = {
     "planar_4r": ("a4", "m1", "FP_y"),
@@ -196,13 +188,10 @@ def test_sweeps_know_small_angles_too():
     names = ["omega4_error", "omega4_trust", "theta1_low_error", "omega4_error_max", "d_A_y_d_a1_error"]
     maps = fl.sweep("planar_4r", linkage, names, theta1=angles, extrema="sampled", branch=1)
     for name in ("omega4_error", "d_A_y_d_a1_error"):
-        np.testing.assert_array_equal(np.isinf(maps[name].squeeze()), [False, True, True, False, False])
-    np.testing.assert_array_equal(maps["omega4_trust"].squeeze(), [0, 1, 1, 0, 0])
+        assert_array_equal(np.isinf(maps[name].squeeze()), [False, True, True, False, False])
+    assert_array_equal(maps["omega4_trust"].squeeze(), [0, 1, 1, 0, 0])
     assert np.isinf(maps["omega4_error_max"]).all()
     assert not np.isinf(maps["theta1_low_error"]).any()  # it belongs to the design
-
-
-# -- gaps that count as zero -------------------------------------------------------------------------------------------
 
 
 def test_a_gap_that_counts_as_zero_is_in_the_bound():
@@ -219,16 +208,13 @@ def test_a_gap_that_counts_as_zero_is_in_the_bound():
     for name in names:
         assert far[f"{name}_error"] < 1e-12 * abs(far[name])
         assert far[f"{name}_trust"] == 0.0
-
-
-def test_of_extremes_at_a_gap_that_counts_as_zero_nothing_is_known():
     names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error", "theta4_max_error"]
     lengths = {"a1": 0.6, "a2": 0.3, "a3": 0.4, "a4": 0.1}  # 0.6 + 0.1 is not 0.3 + 0.4 in binary
     found = sweep_4r(fl.grid(**lengths, omega1=1.0), names)
     assert np.isfinite(found["omega4_max"]).all()
     for name in ("omega4_max", "theta4_max"):
         assert (found[f"{name}_error"] == np.inf).all()
-    np.testing.assert_array_equal(np.isnan(found["omega4_extrema"]), np.isnan(found["omega4_extrema_error"]))
+    assert_array_equal(np.isnan(found["omega4_extrema"]), np.isnan(found["omega4_extrema_error"]))
     assert (found["omega4_extrema_error"].max("extremum") == np.inf).any()
 
 
@@ -259,13 +245,10 @@ def test_verification_takes_lengths_as_they_are_and_codes_as_meant():
 def test_an_extreme_beside_a_toggle_that_is_not_looked_for_is_in_the_bound():
     """MA and NB are parallel within 2^-22 of the scale from where the crank stops."""
     (entry,) = (one for one in SEARCHED if str(one) == "focal sigma")
-    design = {"a": 1.9664390820123145, "b": 3.839279211923328, "c": 0.0005705711695696084}
-    design |= {
-        "d": 1.8722695587414444,
-        "rho": -1.0000000000003526,
-        "omega": 1.0724489878099615,
-        "completion": 1.0,
-    }
+    design = numbers(
+        "a=1.9664390820123145 b=3.839279211923328 c=0.0005705711695696084 d=1.8722695587414444 "
+        "rho=-1.0000000000003526 omega=1.0724489878099615 completion=1"
+    )
     columns = {name: np.array([value]) for name, value in design.items()}
     least = [one for one in bounded_extremes(entry, columns, ["transmission_angle_F"]) if "min" in one.of]
     assert len(least) == 2

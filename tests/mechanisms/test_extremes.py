@@ -1,18 +1,12 @@
-"""Greatest, least and listed extremes of every mechanism: within their bounds, none missed, whatever else is requested.
+"""Greatest, least and listed extremes of every mechanism: within their bounds and none missed, as 50 digits tell."""
 
-The exact extremes are those of 50 digits (`fastlink.precision.stationary`), found by another search. There is no
-tolerance: |value - exact| <= bound is what a bound is. How loose bounds are is measured, as nothing says how loose
-they may be: of the planar linkage half are within 10 to 130 errors, an error being a rounding of the value at least.
-"""
-
-from __future__ import annotations
-
-from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
+from tests.support.configurations import numbers
 from tests.support.extremes import (
     QUIET,
     SEARCHED,
@@ -25,14 +19,12 @@ from tests.support.extremes import (
 )
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.refusals import refused
-from tests.support.registry import Entry
 from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
 from fastlink.codegen.runtime.cells import of_better
 from fastlink.engine.resolve import _plan
-from fastlink.facts.catalogue import Catalogue
 from fastlink.facts.names import derivative_name
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -67,8 +59,6 @@ def by_name(*lengths, **others):
     return columns | {name: np.full(len(lengths), value) for name, value in others.items()}
 
 
-# -- within their bounds ----------------------------------------------------------------------------------------------
-
 CASES = [(PLANAR, kind) for kind in PLANAR.families] + [(entry, "random") for entry in SEARCHED[1:]]
 
 
@@ -96,8 +86,15 @@ def test_extremes_of_all_quantities_are_within_their_bounds(entry):
 SINGULAR = ((1.0, 0.6, 0.7, 1.2), (2.0, 3.0, 2.5, 2.5), (4.0, 9.0, 12.0, 7.0), (1.0, 2.0, 1.0, 2.0))
 
 
-def test_extremes_at_toggles_and_change_points_are_within_their_bounds():
+def test_extremes_at_toggles_and_change_points_are_within_their_bounds_or_infinite():
     held(PLANAR, by_name(*SINGULAR, omega1=3.0), ("omega4", "theta4"))
+    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error"]
+    never = swept_4r(names, (5.0, 1.0, 1.0, 1.0))
+    assert all(np.isnan(never[name]).all() for name in names)
+    toggles = swept_4r(names, SINGULAR[0])
+    assert (np.isinf(toggles["omega4_max"]) == np.isinf(toggles["omega4_max_error"])).all()
+    listed = np.isfinite(toggles["omega4_extrema"])
+    assert (listed == np.isfinite(toggles["omega4_extrema_error"])).all()
 
 
 @pytest.mark.parametrize("n", [12, pytest.param(300, marks=pytest.mark.stress)])
@@ -108,16 +105,6 @@ def test_extremes_of_links_that_fold_are_within_their_bounds_or_have_none(n):
     extremes = list(bounded_extremes(PLANAR, designs, ("omega4", "transmission_angle")))
     assert [one for one in extremes if one.bound != np.inf and not one.holds] == []
     assert sum(one.bound < np.inf for one in extremes) > n
-
-
-def test_no_extreme_has_no_error_and_what_is_infinite_an_infinite_one():
-    names = ["omega4_max", "omega4_max_error", "omega4_extrema", "omega4_extrema_error"]
-    never = swept_4r(names, (5.0, 1.0, 1.0, 1.0))
-    assert all(np.isnan(never[name]).all() for name in names)
-    toggles = swept_4r(names, SINGULAR[0])
-    assert (np.isinf(toggles["omega4_max"]) == np.isinf(toggles["omega4_max_error"])).all()
-    listed = np.isfinite(toggles["omega4_extrema"])
-    assert (listed == np.isfinite(toggles["omega4_extrema_error"])).all()
 
 
 def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
@@ -174,31 +161,30 @@ def test_the_bound_of_the_best_counts_that_another_one_may_be_it(best, bound, va
     assert of_better(best, bound, value, other) == of_best
 
 
-# -- labels, verification, refusals -----------------------------------------------------------------------------------
-
-
-def test_a_kernel_computes_errors_and_keeps_places_on_request_alone():
-    names = ("omega4_max", "alpha4_max", "omega4_rms")
-    plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
-    texts = [kernel_of(program).text for program in plan.programs]
-    assert not any("error" in text or "winners" in text for text in texts)
-
-
-def test_labels_tell_the_error_of_the_greatest_value_from_the_greatest_error():
+def test_labels_and_axes_of_errors_are_their_own_and_a_kernel_computes_them_on_request_alone():
     found = swept_4r(["omega4_max_error", "omega4_error_max", "omega4_extrema_error"])
     assert found["omega4_max_error"].attrs["symbol"] == "err max omega_4"
     assert found["omega4_error_max"].attrs["symbol"] == "max err omega_4"
     assert {found[name].attrs["units"] for name in found.data_vars if name != "status"} == {"rad s-1"}
     assert found["omega4_extrema_error"].dims == ("branch", "extremum")
-
-
-def test_an_axis_that_would_scale_results_leaves_bounds_right():
-    """Left out as a product, its rounding would be missing."""
+    # Left out as a product, its rounding would be missing.
     one = swept_4r(["omega4_max_error"])
     axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
     found = sweep_4r(axis, ["omega4_max", "omega4_max_error"])
     assert "scaling_axis" not in found.attrs
-    np.testing.assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
+    assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
+    names = ("omega4_max", "alpha4_max", "omega4_rms")
+    plan = make_plan(catalogue("planar_4r"), names, given=(*LENGTHS, "omega1"))
+    texts = [kernel_of(program).text for program in plan.programs]
+    assert not any("error" in text or "winners" in text for text in texts)
+    with refused("quantity 'omega4_max_error'", "write 'omega4_error'"):
+        fl.evaluate(
+            "planar_4r",
+            ["omega4_max_error"],
+            theta1=1.0,
+            omega1=1.0,
+            **dict(zip(LENGTHS, CRANK, strict=True)),
+        )
 
 
 def test_verification_holds_errors_of_extremes_against_their_bounds():
@@ -240,20 +226,6 @@ def test_verification_holds_errors_of_extremes_against_their_bounds():
 def test_what_has_no_bound_or_derivative_is_refused_with_the_reason(name, options, remedy):
     with refused("quantity ", remedy):
         swept_4r([name], **options)
-
-
-def test_a_position_has_no_extremes():
-    with refused("quantity 'omega4_max_error'", "write 'omega4_error'"):
-        fl.evaluate(
-            "planar_4r",
-            ["omega4_max_error"],
-            theta1=1.0,
-            omega1=1.0,
-            **dict(zip(LENGTHS, CRANK, strict=True)),
-        )
-
-
-# -- whatever else is requested ---------------------------------------------------------------------------------------
 
 
 def parts_of(name, position, by):
@@ -338,18 +310,7 @@ def test_designs_in_a_sweep_leave_each_other_alone():
         columns["omega1"] = np.array([(1.0, -1.0)[k] for k in rows])
         return sweep_4r(fl.table(columns), ["P_speed_min"]).P_speed_min.values[-1]
 
-    np.testing.assert_array_equal(least(40), least(0))
-
-
-# -- beside folds and sharp turns, where samples do not show them ------------------------------------------------------
-
-BARS = ("m1", "I1", "G1_u", "G1_v", "m2", "I2", "G2_u", "G2_v", "m3", "I3", "G3_u", "G3_v")
-
-
-def four_bar(lengths, bars, **others):
-    """Return a design of the planar 4R by name."""
-    given = {"omega1": 1.0} | dict(zip(BARS, map(float, bars.split()), strict=False)) | others
-    return dict(zip(LENGTHS, lengths, strict=True)) | given
+    assert_array_equal(least(40), least(0))
 
 
 #: Mechanism, input, quantity, branch, the fold or place beside which extremes hide, design.
@@ -357,68 +318,50 @@ HIDDEN = {
     # one half of the turn is constant but for rounding, and has the least value
     "half a turn at rest": (
         ("planar_4r", "theta1", "F32", 2, 0.0),
-        four_bar(
-            (9.0, 2.0, 9.0, 2.0),
-            "2.4671355648387943e-07 0.0 9.0 -0.0006549136337967812 1.7271844878678653 "
-            "0.9867537083850588 9.0 0.0 501834486656.10767 0.0 15.265182336000926 "
-            "43421.32110501148",
-            omega1=0.5,
-            P_u=0.6000493924319583,
-            P_v=9911.360095279775,
-            T_load=1.0,
-            T_load_linear=1.494155118855378,
-            T_load_quadratic=-1.0,
+        numbers(
+            "a1=9 a2=2 a3=9 a4=2 omega1=0.5 m1=2.4671355648387943e-07 I1=0 G1_u=9 G1_v=-0.0006549136337967812 "
+            "m2=1.7271844878678653 I2=0.9867537083850588 G2_u=9 G2_v=0 m3=501834486656.10767 I3=0 "
+            "G3_u=15.265182336000926 G3_v=43421.32110501148 P_u=0.6000493924319583 P_v=9911.360095279775 "
+            "T_load=1 T_load_linear=1.494155118855378 T_load_quadratic=-1"
         ),
     ),
     # the crank alone has mass: nothing grows where coupler and output link are in line, and the least is there
     "force of links without mass": (
         ("planar_4r", "theta1", "shaking_force", 1, 0.9272952180016122),
-        four_bar(
-            (5.0, 2.0, 3.0, 4.0),
-            "0.001349 1.0 -5.0 5.0 0.0 3.8e-05 7.0 5.0 0.0 1.680962 0.0 0.0",
-            omega1=-0.441125,
-            gravity_x=-0.032687,
-            gravity_y=0.0,
+        numbers(
+            "a1=5 a2=2 a3=3 a4=4 omega1=-0.441125 m1=0.001349 I1=1 G1_u=-5 G1_v=5 m2=0 I2=3.8e-05 G2_u=7 "
+            "G2_v=5 m3=0 I3=1.680962 G3_u=0 G3_v=0 gravity_x=-0.032687 gravity_y=0"
         ),
     ),
     # P passes so near to the centre about which the coupler turns that no sample beside shows it
     "curvature at a cusp": (
         ("planar_4r", "theta1", "curvature", 1, 3.4),
-        four_bar(
-            (1.1944011076648948, 3.321112303368561, 1.7553999076621674, 2.760113502371308),
-            "",
-            P_u=3.321112303368561,
-            P_v=-0.02649742954072939,
+        numbers(
+            "a1=1.1944011076648948 a2=3.321112303368561 a3=1.7553999076621674 a4=2.760113502371308 omega1=1 "
+            "P_u=3.321112303368561 P_v=-0.02649742954072939"
         ),
     ),
     # where r = l and e = 0 the slider stays at O for half a turn, and its torque is zero but for rounding
     "torque that is zero for half a turn": (
         ("slider_crank", "theta", "T41", 1, np.pi / 2),
-        {
-            "r": 8.0,
-            "l": 8.0,
-            "e": 0.0,
-            "omega": 0.5639,
-            "m1": 0.0,
-            "I1": 0.0,
-            "m2": 0.0,
-            "I2": 0.84,
-            "m3": 0.167,
-        }
-        | {"G1_u": 8.0, "G1_v": 8.0, "G2_u": -4.2, "G2_v": 9.0, "F_load": 179.0},
+        numbers(
+            "r=8 l=8 e=0 omega=0.5639 m1=0 I1=0 m2=0 I2=0.84 m3=0.167 G1_u=8 G1_v=8 G2_u=-4.2 G2_v=9 "
+            "F_load=179"
+        ),
     ),
     # only I2 acts, so that F41 changes its sign with alpha2: its zero at a sample has no slope
     "force that is exactly 0 at a sample": (
         ("slider_crank", "theta", "F41", 2, np.pi / 2),
-        {"r": 1.048245833941114, "l": 2.8151436694020036, "e": -1.7668978354608884, "omega": -1.0, "m1": 0.0}
-        | {"I1": 1.4162467717588534e-09, "m2": 0.0, "I2": 6.210836172235572e-05, "m3": 0.0}
-        | {"G1_u": 0.35166168617373966, "G1_v": 4.174227550120641}
-        | {"G2_u": 2.8151436694020036, "G2_v": -0.002658583659505936},
+        numbers(
+            "r=1.048245833941114 l=2.8151436694020036 e=-1.7668978354608884 omega=-1 m1=0 "
+            "I1=1.4162467717588534e-09 m2=0 I2=6.210836172235572e-05 m3=0 G1_u=0.35166168617373966 "
+            "G1_v=4.174227550120641 G2_u=2.8151436694020036 G2_v=-0.002658583659505936"
+        ),
     ),
     # T is 3e9 lengths away where rho nears -1, and AB turns within 1e-9 rad of the fold
     "a point far away that swings round": (
         ("focal", "sigma", "T_y", 1, 0.0),
-        {"a": 6.0, "b": 6.0, "c": 2.0, "d": 2.0, "rho": -0.9999999993232827, "completion": 1.0},
+        numbers("a=6 b=6 c=2 d=2 rho=-0.9999999993232827 completion=1"),
     ),
 }
 OCTAVES = 2.0 ** np.linspace(-60.0, 0.0, 601)
@@ -481,8 +424,6 @@ def test_a_limit_at_a_fold_that_has_no_value_is_flagged():
     assert float(found.T_y_max_error) == np.inf
 
 
-# -- no extreme hides between samples ----------------------------------------------------------------------------------
-
 #: Half the number of cells of a search that divides none; a power of two.
 FINE = 512
 #: What may still hide, of all counts: where the gap of a change point is near the rounding of the lengths, one pair of
@@ -522,7 +463,7 @@ def test_finer_samples_show_no_more_extremes_of_anything(entry, monkeypatch):
         assert hidden <= MOST_HIDDEN.get(kind, 0.0) * of, kind
 
 
-def test_extremes_next_to_a_toggle_count_where_the_slope_there_is_no_rounding():
+def test_counts_beside_toggles_and_folds_are_of_extremes_not_of_rounding():
     """Next to a straight line T_x has an extreme within 2^-24 of the toggle, where its slope is 1e-6 of what it is."""
     (entry,) = (entry for entry in SEARCHED if str(entry) == "focal sigma")
     designs = entry.drawn("line 1e-8", 31, 3000)
@@ -530,10 +471,8 @@ def test_extremes_next_to_a_toggle_count_where_the_slope_there_is_no_rounding():
         name: designs[name][[1086, 1737, 2057, 2989]] for name in entry.catalogue.inputs if name in designs
     }
     assert (counted(entry, some, ["T_x"]) == 2).all()
-
-
-def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
-    """Forces of a kite stay finite where it folds; their slope is rounding errors over the distance from there."""
+    # Forces of a kite stay finite where it folds; their slope is rounding errors over the distance from
+    # there.
     a, b = (
         np.array([1.5299061143042894, 0.4009099102008036]),
         np.array([1.9559321078037128, 1.910416264244732]),
@@ -543,8 +482,6 @@ def test_rounding_errors_beside_the_fold_of_a_kite_are_no_extremes():
     counts = sweep_4r(space, ["F32_extrema_count"], links=bars).F32_extrema_count
     assert np.all(counts == 0)
 
-
-# -- magnitudes that almost vanish, angles that turn back ------------------------------------------------------------
 
 #: The functions that are not smooth where their argument vanishes; `sqrt` and `select` choose and scale within facts.
 SHARP = {"abs", "magnitude", "largest", "sign", "absolute", "choice", "zero_where"}
@@ -663,7 +600,7 @@ FOLDING = "1221 2112 1122 2211 1212 2121 1111 2345 5432 4523 1234 6123 1623 1236
 
 
 @contextmanager
-def all_searched(of: Catalogue) -> Iterator[None]:
+def all_searched(of):
     """Let every extreme be searched."""
     graded = of.graded
     assert graded is not None
@@ -674,7 +611,7 @@ def all_searched(of: Catalogue) -> Iterator[None]:
         of.graded = graded
 
 
-def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarray]) -> None:
+def assert_alike(mechanism, input, designs):
     """Assert that known extremes are those that a search finds, with their bounds."""
     of = catalogue(mechanism, input)
     assert of.graded is not None
@@ -694,7 +631,7 @@ def assert_alike(mechanism: str, input: str | None, designs: dict[str, np.ndarra
         assert np.all(bound[there] <= alike * other_bound[there] + np.spacing(abs(other))[there]), name
 
 
-def drawn(entry: Entry, family: str, n: int) -> dict[str, np.ndarray]:
+def drawn(entry, family, n):
     """Return designs of a family, in one completion."""
     designs = designs_of(entry, family, 0, n)
     return {name: values for name, values in designs.items() if name != "completion"}

@@ -2,25 +2,15 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.configurations import numbers
 from tests.support.extremes import SEARCHED, designs_of, searched, slopes_of_extremes, swept_4r
 from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.facts.derivative import NoDerivative
 from fastlink.facts.names import derivative_name
-from fastlink.numerics.compiler import (
-    AT_CHANGE_POINT,
-    AT_LIMIT,
-    CONSTANT,
-    INFINITE,
-    JUMP,
-    KINK,
-    MOVING,
-    NOTHING,
-    OF_SAMPLES,
-    SMOOTH,
-    TIED,
-)
+from fastlink.numerics import compiler as codes
 
 LENGTHS = ("a1", "a2", "a3", "a4")
 #: Quantities with and without limits of motion, finite there and not, and the input that they are differentiated by.
@@ -86,15 +76,15 @@ def test_derivatives_of_extremes_of_many_designs(entry):
 @pytest.mark.parametrize(
     ("name", "lengths", "codes"),
     [
-        ("omega4_max", (0.4, 1.2, 0.8, 1.0), (SMOOTH, SMOOTH)),
-        ("omega4_max", (1.0, 0.6, 0.7, 1.2), (INFINITE, INFINITE)),
-        ("B_y_min", (1.0, 0.6, 0.7, 1.2), (TIED, AT_LIMIT)),
-        ("theta4_max", (1.0, 0.6, 0.7, 1.2), (JUMP, JUMP)),
-        ("omega4_max", (5.0, 1.0, 1.0, 1.0), (NOTHING, NOTHING)),
-        ("omega4_mean", (0.4, 1.2, 0.8, 1.0), (SMOOTH, SMOOTH)),
-        ("theta4_mean", (1.0, 0.6, 0.7, 1.2), (MOVING, MOVING)),
-        ("omega4_rms", (5.0, 1.0, 1.0, 1.0), (NOTHING, NOTHING)),
-        ("loop_residual_max", (0.4, 1.2, 0.8, 1.0), (OF_SAMPLES, OF_SAMPLES)),
+        ("omega4_max", (0.4, 1.2, 0.8, 1.0), (codes.SMOOTH, codes.SMOOTH)),
+        ("omega4_max", (1.0, 0.6, 0.7, 1.2), (codes.INFINITE, codes.INFINITE)),
+        ("B_y_min", (1.0, 0.6, 0.7, 1.2), (codes.TIED, codes.AT_LIMIT)),
+        ("theta4_max", (1.0, 0.6, 0.7, 1.2), (codes.JUMP, codes.JUMP)),
+        ("omega4_max", (5.0, 1.0, 1.0, 1.0), (codes.NOTHING, codes.NOTHING)),
+        ("omega4_mean", (0.4, 1.2, 0.8, 1.0), (codes.SMOOTH, codes.SMOOTH)),
+        ("theta4_mean", (1.0, 0.6, 0.7, 1.2), (codes.MOVING, codes.MOVING)),
+        ("omega4_rms", (5.0, 1.0, 1.0, 1.0), (codes.NOTHING, codes.NOTHING)),
+        ("loop_residual_max", (0.4, 1.2, 0.8, 1.0), (codes.OF_SAMPLES, codes.OF_SAMPLES)),
     ],
 )
 def test_the_status_tells_what_derivatives_are_worth(name, lengths, codes):
@@ -103,20 +93,21 @@ def test_the_status_tells_what_derivatives_are_worth(name, lengths, codes):
     assert len(status.attrs["flag_meanings"].split()) == status.attrs["flag_values"].size
 
 
-def test_what_stands_still_has_constant_rates_and_kinks_at_zero():
+def test_what_stands_still_folds_or_is_verified_has_its_own_derivatives():
     speed = swept_4r(["P_speed_max_gradient_status", "d_P_speed_max_d_a1"], point={"P_u": 0.0, "P_v": 0.0})
-    assert (speed["P_speed_max_gradient_status"] == CONSTANT).all()
+    assert (speed["P_speed_max_gradient_status"] == codes.CONSTANT).all()
     assert (speed["d_P_speed_max_d_a1"] == 1.0).all()
     still = swept_4r(["omega4_rms_gradient_status", "d_omega4_rms_d_a1"], omega1=0.0)
-    assert (still["omega4_rms_gradient_status"] == KINK).all()
+    assert (still["omega4_rms_gradient_status"] == codes.KINK).all()
     assert np.isnan(still["d_omega4_rms_d_a1"]).all()
-
-
-def test_a_change_point_has_no_derivative_at_its_fold():
     found = swept_4r(
         ["transmission_angle_min", "transmission_angle_min_gradient_status"], (4.0, 9.0, 12.0, 7.0)
     )
-    assert (found["transmission_angle_min_gradient_status"] == AT_CHANGE_POINT).all()
+    assert (found["transmission_angle_min_gradient_status"] == codes.AT_CHANGE_POINT).all()
+    assert (
+        swept_4r(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"]
+        == "d_omega4_max_d_a2"
+    )
 
 
 def test_means_and_samples_change_as_differences_of_theirs():
@@ -130,7 +121,7 @@ def test_means_and_samples_change_as_differences_of_theirs():
         up, down = (swept_4r(names, (0.4, 1.2 + step, 0.8, 1.0), **options) for step in (h, -h))
         for name in names:
             difference = (up[name] - down[name]) / (2.0 * h)
-            np.testing.assert_allclose(found[f"d_{name}_d_a2"], difference, atol=1e-8, rtol=1e-8)
+            assert_allclose(found[f"d_{name}_d_a2"], difference, atol=1e-8, rtol=1e-8)
 
 
 def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
@@ -144,8 +135,8 @@ def test_mechanisms_without_a_graded_range_have_derivatives_of_samples():
 
     found = extreme("d_A_y_max_d_a")
     difference = (extreme("A_y_max", a=1.0 + h) - extreme("A_y_max", a=1.0 - h)) / (2.0 * h)
-    np.testing.assert_allclose(found, difference, rtol=1e-7)
-    assert (extreme("A_y_max_gradient_status") == OF_SAMPLES).all()
+    assert_allclose(found, difference, rtol=1e-7)
+    assert (extreme("A_y_max_gradient_status") == codes.OF_SAMPLES).all()
 
 
 def test_labels_units_and_axes_that_scale():
@@ -158,15 +149,8 @@ def test_labels_units_and_axes_that_scale():
     axis = swept_4r(names, omega1=[1.0, 2.0])
     assert axis.attrs["scaling_axis"] == "omega1"
     for name, power in zip(names, (1, 0, 0), strict=True):
-        np.testing.assert_array_equal(axis[name][0], one[name])
-        np.testing.assert_array_equal(axis[name][1], 2**power * one[name])
-
-
-def test_verification_leaves_derivatives_of_extremes_out():
-    assert (
-        swept_4r(["omega4_max", "d_omega4_max_d_a2"], verify=1).attrs["verify_left_out"]
-        == "d_omega4_max_d_a2"
-    )
+        assert_array_equal(axis[name][0], one[name])
+        assert_array_equal(axis[name][1], 2**power * one[name])
 
 
 def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone():
@@ -175,7 +159,7 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
     for by, place in (("a3", 2), ("a4", 3)):
         lengths = [1.0, 0.6, 0.7, 1.2]
         slopes = swept_4r([*(f"d_{name}_d_{by}" for name in names), "A_y_max_gradient_status"], lengths)
-        assert (slopes["A_y_max_gradient_status"] == AT_LIMIT).all()
+        assert (slopes["A_y_max_gradient_status"] == codes.AT_LIMIT).all()
         below, above = (
             swept_4r(names, [x + sign * step * (k == place) for k, x in enumerate(lengths)])
             for sign in (-1, 1)
@@ -183,13 +167,13 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
         for name in names:
             # differences are off by a third power, 2^-34, and by roundings of 2^-52 over 2^-16
             differences = (above[name] - below[name]) / (2 * step)
-            np.testing.assert_allclose(slopes[f"d_{name}_d_{by}"], differences, rtol=1e-8, atol=1e-9)
+            assert_allclose(slopes[f"d_{name}_d_{by}"], differences, rtol=1e-8, atol=1e-9)
         assert (abs(slopes[f"d_A_y_max_d_{by}"]) > 0.1).all()
         numbers = fl.function(
             "planar_4r", [by], names, **{key: x for key, x in zip(LENGTHS, lengths, strict=True) if key != by}
         )
         of_function = numbers.gradient([lengths[place]])[:, 0]
-        np.testing.assert_array_equal(of_function, [slopes[f"d_{name}_d_{by}"][0] for name in names])
+        assert_array_equal(of_function, [slopes[f"d_{name}_d_{by}"][0] for name in names])
     # where the crank turns fully, nothing moves
     assert (swept_4r(["d_A_y_max_d_a3"])["d_A_y_max_d_a3"] == 0.0).all()
     tolerances = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2, "a3_tolerance": 1e-4}
@@ -199,12 +183,7 @@ def test_an_extreme_at_a_limit_of_motion_changes_with_what_moves_the_limit_alone
 
 def test_an_angle_that_folds_at_pi_keeps_its_greatest_value():
     # the bars at P pass the straight line in the middle of the motion: mu_P is pi there whatever the lengths
-    bars = {
-        "a": 1.3828348684464724,
-        "b": 0.9522518422452018,
-        "c": 1.6380671227307617,
-        "d": 1.0228886622434283,
-    }
+    bars = numbers("a=1.3828348684464724 b=0.9522518422452018 c=1.6380671227307617 d=1.0228886622434283")
     names = ["transmission_angle_P_max", "d_transmission_angle_P_max_d_d"]
     found = sweep_both(
         "focal",
@@ -213,4 +192,4 @@ def test_an_angle_that_folds_at_pi_keeps_its_greatest_value():
     )
     assert (found[names[0]] > np.pi - 1e-15).all()
     assert (found[names[1]] == 0.0).all()
-    assert (found["transmission_angle_P_max_gradient_status"] == JUMP).all()
+    assert (found["transmission_angle_P_max_gradient_status"] == codes.JUMP).all()

@@ -1,13 +1,10 @@
-"""Reductions over the cycle run over the positions at which the linkage can be assembled.
-
-The crank pin has a place at every crank angle, also where the other links do not reach: that is no part of the motion.
-"""
+"""Reductions over the cycle run over the positions at which the linkage can be assembled."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import draw
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_4r, sweep_both
@@ -19,7 +16,7 @@ LINKS = {"a1": 1.0, "a2": 0.6, "a3": 0.7, "a4": 1.2}  # no link turns fully
 ALL = np.linspace(0.0, 2.0 * np.pi, 97)[:-1]
 
 
-def swept(names: list[str], **options: Any) -> Any:
+def swept(names, **options):
     return fl.sweep("planar_4r", fl.grid(**LINKS), names, branch=1, verify=0, **options)
 
 
@@ -39,7 +36,7 @@ SLOPED = 2  # of every sixth quantity from there on the first one changes with t
     ("mechanism", "drive"),
     [(name, drive) for name in NAMES for drive in inputs_of(name) if drive not in ("F_y", "sigma")],
 )
-def test_reductions_run_over_positions_that_assemble(mechanism: str, drive: str) -> None:
+def test_reductions_run_over_positions_that_assemble(mechanism, drive):
     """Of what the driven link alone determines: with F and with the focal crank nothing is."""
     known, rng = catalogue(mechanism, drive), np.random.default_rng(3)
     design = draw(known.inputs, rng, 60)
@@ -67,7 +64,7 @@ def test_reductions_run_over_positions_that_assemble(mechanism: str, drive: str)
         assert float(maps[asked[-1]][k]) in positions[closes[k]]
 
 
-def test_a_mean_over_the_motion_is_an_integral() -> None:
+def test_a_mean_over_the_motion_is_an_integral():
     limit = math.acos((1.0 + 1.44 - 1.69) / 2.4)  # |AD| = a2 + a3
     maps = swept(["A_x_mean", "A_x_rms", "A_x_max", "A_x_min", "A_x_fluctuation"], theta1=20_000)
     # equal steps leave an error of the share of one step of the motion, times the range of cosines
@@ -77,15 +74,12 @@ def test_a_mean_over_the_motion_is_an_integral() -> None:
     assert abs(float(maps.A_x_rms.item()) - math.sqrt(square)) < 2.0 * step
     assert float(maps.A_x_min.item()) <= float(maps.A_x_mean.item()) <= float(maps.A_x_max.item())
     assert np.isnan(maps.A_x_fluctuation.item())  # which needs a whole turn
-
-
-def test_what_never_assembles_has_no_mean() -> None:
     names = ["A_x_mean", "A_x_rms", "A_x_max", "status"]
     maps = sweep_4r(fl.grid(a1=1.0, a2=0.1, a3=0.2, a4=5.0), names, theta1=36)
     assert all(np.isnan(maps[name]).all() for name in names[:3])
 
 
-def test_derivatives_of_means_count_the_same_positions() -> None:
+def test_derivatives_and_verification_of_means_count_the_same_positions(tmp_path):
     names = ["A_x_mean", "d_A_x_mean_d_a1", "A_x_mean_gradient_status"]
     given = swept(names, theta1=ALL)
     # A_x is a1 cos(theta1): the derivative of the mean of samples is that mean over a1, of 1
@@ -94,9 +88,6 @@ def test_derivatives_of_means_count_the_same_positions() -> None:
     turn = swept(names, theta1=96)
     assert np.isnan(turn.d_A_x_mean_d_a1.item())  # the limits of the integral move
     assert int(turn.A_x_mean_gradient_status.item()) == 10
-
-
-def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
     names = ["A_x_mean", "A_y_rms", "G1_x_max", "v1_dot_min", "A_x_min"]
     space = fl.grid(a1=np.linspace(0.5, 1.5, 8), a2=0.6, a3=0.7, a4=1.2, G1_u=0.3, G1_v=0.1, omega1=2.0)
     maps = sweep_4r(space, names, theta1=60, extrema="sampled", to=tmp_path / "map.h5", verify=8)
@@ -107,7 +98,7 @@ def test_the_verification_counts_the_same_positions(tmp_path: Any) -> None:
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("part", range(6))
 @pytest.mark.parametrize("mechanism", [name for name in NAMES if catalogue(name).graded is not None])
-def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
+def test_a_peak_is_the_greatest_magnitude(mechanism, part):
     """With its place, error bound and derivatives: those of the greatest value, or of the least."""
     known, rng = catalogue(mechanism), np.random.default_rng(3)
     numbers = [
@@ -126,17 +117,17 @@ def test_a_peak_is_the_greatest_magnitude(mechanism: str, part: int) -> None:
         maps = sweep_both(mechanism, fl.table(design), asked, extrema=extrema)
         for name in names:
             high, low, peak = (maps[f"{name}_{how}"].values for how in EXTREMES)
-            np.testing.assert_array_equal(peak, np.maximum(high, -low), err_msg=name)
+            assert_array_equal(peak, np.maximum(high, -low), err_msg=name)
             high_at, low_at, place = (maps[f"{at}_at_{name}_{how}"].values for how in EXTREMES)
             apart = ~(high == -low)  # where both are as great, either place is one of the peak
-            np.testing.assert_array_equal(place[apart], np.where(high > -low, high_at, low_at)[apart], name)
+            assert_array_equal(place[apart], np.where(high > -low, high_at, low_at)[apart], name)
         if has_slope:
             high, low, _ = (maps[f"{names[0]}_{how}"].values for how in EXTREMES)
             slopes = [maps[f"d_{names[0]}_{how}_d_{first}"].values for how in EXTREMES]
-            np.testing.assert_array_equal(slopes[2], np.where(high > -low, slopes[0], -slopes[1]))
+            assert_array_equal(slopes[2], np.where(high > -low, slopes[0], -slopes[1]))
 
 
-def test_a_peak_has_an_error_bound_and_is_verified() -> None:
+def test_a_peak_has_an_error_bound_and_is_verified():
     names = ["alpha4_peak", "alpha4_peak_error", "alpha4_max_error", "alpha4_min_error", "theta4_peak"]
     space = fl.grid(a1=0.3, a2=np.linspace(0.6, 1.2, 7), a3=0.8, a4=1.0, omega1=2.0)
     maps = sweep_4r(space, names, verify=7)
@@ -236,7 +227,7 @@ def test_derivatives_hold_the_ends_of_the_arc():
         h = 1e-5
         ends = [sweep_4r(FOUR_BAR | arc | {by: FOUR_BAR[by] + k * h}, ["omega4_max"]) for k in (-1, 1)]
         slope = (ends[1] - ends[0]).omega4_max / (2 * h)
-        np.testing.assert_allclose(maps[f"d_omega4_max_d_{by}"], slope, rtol=1e-6)
+        assert_allclose(maps[f"d_omega4_max_d_{by}"], slope, rtol=1e-6)
 
 
 def test_the_same_at_every_door(tmp_path):
@@ -319,12 +310,10 @@ def test_travel_tells_how_far_a_link_moves_over_an_arc():
     assert (maps.theta4_travel == curve.max("theta1") - curve.min("theta1")).all()
     # the ends of the arc are positions, and the curve is monotonic: roundings of two angles
     exact = maps.theta4_max - maps.theta4_min
-    np.testing.assert_allclose(exact, maps.theta4_travel, rtol=1e-14)
+    assert_allclose(exact, maps.theta4_travel, rtol=1e-14)
     h = 1e-6
     ends = [
         sweep_4r(FOUR_BAR | {"arc_start": 0.5, "arc_end": 1.5, "a1": 0.4 + k * h}, names[:1]) for k in (-1, 1)
     ]
     # central differences: the square of h and a rounding over h
-    np.testing.assert_allclose(
-        maps.d_theta4_travel_d_a1, (ends[1] - ends[0]).theta4_travel / (2 * h), rtol=1e-8
-    )
+    assert_allclose(maps.d_theta4_travel_d_a1, (ends[1] - ends[0]).theta4_travel / (2 * h), rtol=1e-8)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.commands import code_blocks
 from tests.support.sweeps import sweep_both
 from typer.testing import CliRunner
@@ -74,11 +75,11 @@ def test_extremes_of_a_sheet_are_those_of_the_mechanism_that_is_built_in(tmp_pat
     differ = 0
     for name, other in theirs.items():
         one, two = known[name].values, own[other].values
-        np.testing.assert_array_equal(np.isnan(one), np.isnan(two))
+        assert_array_equal(np.isnan(one), np.isnan(two))
         finite = np.isfinite(one)
-        np.testing.assert_array_equal(one[~finite], two[~finite])
+        assert_array_equal(one[~finite], two[~finite])
         # some dozens of roundings of lengths up to 5 m, and of velocities beyond a toggle's neighbourhood
-        np.testing.assert_allclose(two[finite], one[finite], rtol=1e-12, atol=1e-12, err_msg=name)
+        assert_allclose(two[finite], one[finite], rtol=1e-12, atol=1e-12, err_msg=name)
         differ += np.count_nonzero(finite)
     assert differ > 150
 
@@ -109,7 +110,7 @@ def test_a_sheet_stands_for_a_mechanism_at_every_door(tmp_path, monkeypatch, qui
         done = CliRunner().invoke(app, line.split())
         assert done.exit_code == 0, done.output
     with fl.open("s.h5") as one, fl.open("m.h5") as other:
-        np.testing.assert_array_equal(one.psi_rate_max.values, other.psi_rate_max.values)
+        assert_array_equal(one.psi_rate_max.values, other.psi_rate_max.values)
     done = CliRunner().invoke(
         app, ["draw", "quick_return.facts", "r=0.1", "d=0.2", "e=0.02", "--to", "x.png"]
     )
@@ -175,15 +176,12 @@ def test_what_is_no_sheet_is_refused(file):
         fl.mechanism(file)
 
 
-def test_a_fact_may_be_made_of_a_derivative_of_the_input_angle_alone(tmp_path):
+def test_facts_of_derivatives_and_of_what_ends_within_the_range_are_evaluated(tmp_path):
     height = "h [m] h: Height\n    = r * cos_tilt\nh_rate [m s-1] h: Rate\n    = omega * d_h_d_tilt\n"
     mine = fl.mechanism(written(tmp_path, SLIDER.replace("{0}", "C0") + height))
     found = fl.evaluate(mine, ["h_rate"], r=0.5, l=1.0, e=0.1, omega=2.0, tilt=0.3, branch=1)["h_rate"]
     assert found == pytest.approx(-np.sin(0.3), rel=1e-15)
-
-
-def test_what_may_end_within_the_range_has_the_extremes_of_samples(tmp_path):
-    """A second dyad ends where its own root does, which Z0 and C0 do not know."""
+    # A second dyad ends where its own root does, which Z0 and C0 do not know.
     dyad = "y [m] y: A second dyad\n    square = 4.0 * r * r - x * x\n    = sqrt(square)\n"
     mine = fl.mechanism(written(tmp_path, SLIDER.replace("{0}", "C0") + dyad))
     maps = fl.sweep(

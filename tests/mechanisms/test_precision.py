@@ -11,6 +11,7 @@ from collections import Counter
 
 import numpy as np
 import pytest
+from numpy.testing import assert_array_equal
 from tests.support.neighbourhoods import DRAWN
 from tests.support.precision import (
     Truth,
@@ -22,10 +23,10 @@ from tests.support.precision import (
     plain,
     wrong,
 )
-from tests.support.registry import ENTRIES
+from tests.support.registry import ENTRIES, every_input
 
 from fastlink.facts.powers import any_beyond_range
-from fastlink.mechanisms import NAMES, inputs_of
+from fastlink.mechanisms import NAMES
 from fastlink.precision.reference import CONTEXT as MP
 
 FAMILIES = [pytest.param(entry, kind, id=f"{entry}-{kind}") for entry in ENTRIES for kind in entry.families]
@@ -34,9 +35,7 @@ DIFFERENTIATED = [entry for entry in ENTRIES if entry.solver == "eliminated"]
 DIGITS_LEFT = MP.mpf(10) ** -44
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
-)
+@every_input
 def test_every_mechanism_and_input_is_tested_and_every_quantity(mechanism, drive):
     entries = [entry for entry in ENTRIES if (entry.mechanism, entry.input) == (mechanism, drive)]
     assert entries, f"no entry of {mechanism} driven by {drive} in tests/support/registry.py"
@@ -51,7 +50,7 @@ def held(entry, kind, n):
     found = compiled(entry, entry.names, inputs)
     if entry.solver == "eliminated":  # NumPy's LU is another than that of the kernels
         for name, values in plain(entry, entry.names, inputs).items():
-            np.testing.assert_array_equal(found[name], values, err_msg=name)
+            assert_array_equal(found[name], values, err_msg=name)
     too_far_off, numbers = wrong(entry, entry.names, inputs, found)
     assert not too_far_off
     return numbers
@@ -100,9 +99,6 @@ def test_an_error_in_the_fifteenth_digit_is_noticed(mechanism):
     noticed = {name for name, *_ in wrong(entry, entry.names, inputs, computed)[0]}
     # All but what is nothing but an error, zeros, and what has a condition beyond 30: 2^-46 is 128 roundings.
     assert len(noticed) > 0.7 * len(entry.names)
-
-
-# -- derivatives --------------------------------------------------------------------------------------------------
 
 
 def variables(entry):
@@ -179,9 +175,6 @@ def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     assert all(error <= entry.multiple for error in errors.values()), errors
 
 
-# -- units of length ----------------------------------------------------------------------------------------------
-
-
 def power_of_length(units):
     """Return how a number with these units grows with the unit of length, where masses and times stay."""
     of = {"m": 1, "N": 1, "J": 2, "W": 2}
@@ -215,6 +208,6 @@ def test_a_power_of_two_of_all_lengths_changes_no_bit(entry):
             within = np.all(np.abs(sizes) < 1000, axis=0)  # beyond, codes may say so
             for name in entry.names:
                 expected = np.ldexp(here[name][within], power * of[name])
-                np.testing.assert_array_equal(there[name][within], expected, err_msg=name)
+                assert_array_equal(there[name][within], expected, err_msg=name)
                 tested += np.count_nonzero(np.isfinite(expected))
     assert tested > 40 * len(entry.names)

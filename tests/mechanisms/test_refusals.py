@@ -5,21 +5,19 @@ import sys
 
 import pytest
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.registry import every_input
+from tests.support.sweeps import BARS, TURNING, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 
-CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 FOCAL = {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0}
 HART = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
+BY_2 = {"input": "joint_angle_2"}
 DRIVEN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "joint_omega_2": 2.0}
-BARS = fl.round_bar(7750.0, 0.01)
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
-)
+@every_input
 def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
     known = catalogue(mechanism, drive)
     design = {name: 1.0 for name, one in known.inputs.items() if one.default is None}
@@ -50,15 +48,8 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
         ("hart", HART, "dF_y_dphi", {"input": "F_y"}, "'dF_y_dphi'", "'dphi_dF_y'"),
         ("hart", HART, "psi", {"input": "F_x"}, "input", "did you mean 'F_y'?"),
         ("hart", HART, "psi", {"input": "F_y", "angles": 12}, "angles", "numpy.linspace"),
-        (
-            "planar_4r",
-            DRIVEN,
-            "theta2",
-            {"input": "joint_angle_2"},
-            "'theta2'",
-            "with input='joint_angle_2' ask",
-        ),
-        ("planar_4r", DRIVEN, "joint_omega_2", {"input": "joint_angle_2"}, "'joint_omega_2'", "leave it out"),
+        ("planar_4r", DRIVEN, "theta2", BY_2, "'theta2'", "with input='joint_angle_2' ask"),
+        ("planar_4r", DRIVEN, "joint_omega_2", BY_2, "'joint_omega_2'", "leave it out"),
         ("planar_4r", DRIVEN, "v1", {"input": "theta1"}, "design: joint_omega_2", ""),
         ("planar_4r", DRIVEN, "v1", {"input": "joint_angle_2", "links": BARS}, "links", ""),
         # ratios of which one is given, loads that are whole
@@ -69,16 +60,16 @@ def test_every_mechanism_refuses_in_the_same_words(mechanism, drive):
         ("focal", FOCAL | {"s": 1.0}, "s", {}, "quantity 's'", "leave it out"),
         (
             "planar_4r",
-            CRANK | {"counterweight1_radius": 0.1},
+            TURNING | {"counterweight1_radius": 0.1},
             "F41",
             {"links": BARS},
             "counterweight1_mass",
             "",
         ),
         # extremes of what has none
-        ("planar_4r", CRANK, "omega4_max", {"extrema": "foo"}, "extrema: 'foo'", "refined"),
-        ("planar_4r", CRANK, "omega4_max", {"extrema": "refined", "theta1": [0.1]}, "extrema", "sampled"),
-        ("planar_4r", CRANK, "status_extrema", {}, "'status_extrema'", ""),
+        ("planar_4r", TURNING, "omega4_max", {"extrema": "foo"}, "extrema: 'foo'", "refined"),
+        ("planar_4r", TURNING, "omega4_max", {"extrema": "refined", "theta1": [0.1]}, "extrema", "sampled"),
+        ("planar_4r", TURNING, "status_extrema", {}, "'status_extrema'", ""),
     ],
 )
 def test_what_a_mechanism_has_not_is_told(mechanism, design, name, options, key, remedy):
@@ -95,15 +86,9 @@ def test_every_mechanism_is_listed_within_a_screen():
     assert [one.inputs for one in listed] == [inputs_of(name) for name in NAMES]
     assert [one.quantities for one in listed] == [len(catalogue(name).public) for name in NAMES]
     assert max(map(len, str(listed).splitlines())) <= 132
-
-
-def test_a_notebook_shows_a_table():
     text = fl.mechanisms()._repr_html_()
     assert text.count("<tr>") == len(NAMES) + 1
     assert "Burmester&#x27;s" in text
-
-
-def test_the_version_is_that_of_the_maps():
     design = fl.grid(a1=0.4, a2=1.2, a3=0.8, a4=1.0)
     source = sweep_4r(design, ["grashof_class"]).attrs["source"]
     assert source.startswith(f"fastlink {fl.__version__},")

@@ -14,6 +14,7 @@ import mpmath
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.compiled import Compiled
 
 import fastlink
@@ -34,7 +35,7 @@ def both_readings(y, x):
     compiled = ATAN2(y, x)
     with np.errstate(all="ignore"):
         plain = elementary.atan2(y, x)
-    np.testing.assert_array_equal(compiled.view(np.int64), plain.view(np.int64))
+    assert_array_equal(compiled.view(np.int64), plain.view(np.int64))
     return compiled
 
 
@@ -57,24 +58,16 @@ def test_atan2_has_signed_zeros_and_infinities_as_ieee():
     special = [0.0, -0.0, 1.0, -1.0, np.inf, -np.inf, 5e-324, -1e-310, 1e308, -1.7e308]
     y, x = (np.array(column) for column in zip(*itertools.product(special, special), strict=True))
     got, expected = both_readings(y, x), np.arctan2(y, x)
-    np.testing.assert_array_equal(np.signbit(got), np.signbit(expected))
+    assert_array_equal(np.signbit(got), np.signbit(expected))
     # 2 units of ours and 1 of the library's.
     assert np.all((np.abs(got - expected) <= 3 * np.spacing(np.abs(expected))) | (got == expected))
     exact = np.isin(expected, [0.0, np.pi, -np.pi, np.pi / 2, -np.pi / 2])
-    np.testing.assert_array_equal(got[exact], expected[exact])
+    assert_array_equal(got[exact], expected[exact])
 
 
 @pytest.mark.parametrize(("y", "x"), [(np.nan, 1.0), (1.0, np.nan), (np.nan, np.nan), (np.nan, -0.0)])
 def test_atan2_keeps_nan(y, x):
     assert np.isnan(both_readings(np.array([y]), np.array([x]))[0])
-
-
-def test_two_product_is_exact():
-    rng = np.random.default_rng(3)
-    for a, b in rng.normal(size=(300, 2)) * np.exp(rng.uniform(-100, 100, (300, 1))):
-        p, e = compensated.two_product(float(a), float(b))
-        with mp.workdps(60):
-            assert mp.mpf(p) + mp.mpf(e) == mp.mpf(float(a)) * mp.mpf(float(b))
 
 
 def test_gap_product_quotient_has_thirty_digits():
@@ -89,15 +82,20 @@ def test_gap_product_quotient_has_thirty_digits():
             assert abs(mp.mpf(high) + low - exact) <= 16 * mp.mpf(UNIT_ROUNDING) ** 2 * abs(exact)
 
 
-def test_power_of_two_below():
-    for x in [1.0, 1.5, 1.9999999999999998, 2.0, 3e-150, 7e150, 0.4]:
-        assert compensated.power_of_two_below(x) == 2.0 ** np.floor(np.log2(x))
-
-
-def test_square_root_below_zero_is_nan_in_every_reading():
+def test_roots_logarithms_and_powers_of_two_are_read_alike():
     assert mp.isnan(elementary.sqrt(mp.mpf(-1)))
     with np.errstate(invalid="ignore"):
         assert np.isnan(elementary.sqrt(-1.0))
+    for function, edge in ((logarithm.log, 0), (logarithm.log1p, -1)):
+        assert function(mp.mpf(edge)) == -mp.inf
+        assert mp.isnan(function(mp.mpf(edge) - 1))
+    for x in [1.0, 1.5, 1.9999999999999998, 2.0, 3e-150, 7e150, 0.4]:
+        assert compensated.power_of_two_below(x) == 2.0 ** np.floor(np.log2(x))
+    rng = np.random.default_rng(3)
+    for a, b in rng.normal(size=(300, 2)) * np.exp(rng.uniform(-100, 100, (300, 1))):
+        p, e = compensated.two_product(float(a), float(b))
+        with mp.workdps(60):
+            assert mp.mpf(p) + mp.mpf(e) == mp.mpf(float(a)) * mp.mpf(float(b))
 
 
 def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
@@ -108,8 +106,8 @@ def test_cosine_and_sine_are_within_two_units_in_the_last_place_and_one_text():
     beyond = np.array([1.1e6, np.inf, -np.inf, np.nan])
     cosines, sines = DIRECTION(np.append(x, beyond))
     assert np.isnan([*cosines[-4:], *sines[-4:]]).all()
-    np.testing.assert_array_equal(cosines[:-4], elementary.cosine(x))
-    np.testing.assert_array_equal(sines[:-4], elementary.sine(x))
+    assert_array_equal(cosines[:-4], elementary.cosine(x))
+    assert_array_equal(sines[:-4], elementary.sine(x))
     with mp.workdps(40):
         for angle, c, s in zip(x, cosines, sines, strict=False):
             exact = mp.mpf(float(angle))
@@ -132,7 +130,7 @@ def both_log_readings(name, x):
     compiled = COMPILED(x)[list(FUNCTIONS).index(name)]
     with np.errstate(over="ignore"):  # of the square that is not selected
         plain = getattr(logarithm, name)(x)
-    np.testing.assert_array_equal(compiled, plain)  # NaN equals NaN here
+    assert_array_equal(compiled, plain)  # NaN equals NaN here
     return compiled
 
 
@@ -165,27 +163,21 @@ def test_special_values_are_those_of_ieee(name, library):
     with np.errstate(all="ignore"):
         expected = library(SPECIAL)
     got = both_log_readings(name, SPECIAL)
-    np.testing.assert_array_equal(np.isnan(got), np.isnan(expected))
+    assert_array_equal(np.isnan(got), np.isnan(expected))
     known = ~np.isnan(expected)
-    np.testing.assert_array_equal(np.signbit(got[known]), np.signbit(expected[known]))
+    assert_array_equal(np.signbit(got[known]), np.signbit(expected[known]))
     # 2 units of ours and 1 of the library's.
-    np.testing.assert_allclose(got[known], expected[known], rtol=6 * UNIT_ROUNDING, atol=0.0)
-
-
-def test_mpmath_reads_zero_and_below_alike():
-    for function, edge in ((logarithm.log, 0), (logarithm.log1p, -1)):
-        assert function(mp.mpf(edge)) == -mp.inf
-        assert mp.isnan(function(mp.mpf(edge) - 1))
+    assert_allclose(got[known], expected[known], rtol=6 * UNIT_ROUNDING, atol=0.0)
 
 
 def both_quotients(x, y, twos):
     logs, signs = QUOTIENTS(x, y, twos)
-    np.testing.assert_array_equal(logs, logarithm.log_quotient(x, y, twos))
-    np.testing.assert_array_equal(signs, logarithm.quotient_sign(x, y))
+    assert_array_equal(logs, logarithm.log_quotient(x, y, twos))
+    assert_array_equal(signs, logarithm.quotient_sign(x, y))
     return logs, signs
 
 
-def test_the_logarithm_of_a_quotient_is_within_three_units_in_the_last_place():
+def test_the_logarithm_of_a_quotient_is_right_within_its_range_and_none_beyond():
     """Near 1, near the change of the power of two, over all exponents, and beyond the range of doubles."""
     rng = np.random.default_rng(6)
     near = 1.0 + rng.normal(0.0, 1e-9, 1000)
@@ -196,16 +188,13 @@ def test_the_logarithm_of_a_quotient_is_within_three_units_in_the_last_place():
     x *= rng.choice([-1.0, 1.0], x.size)
     twos = np.where(rng.random(x.size) < 0.3, rng.integers(-(2**20), 2**20, x.size), 0) * 1.0
     logs, signs = both_quotients(x, y, twos)
-    np.testing.assert_array_equal(signs, np.sign(x))
+    assert_array_equal(signs, np.sign(x))
     with mp.workdps(40):
         for a, b, k, value in zip(x, y, twos, logs, strict=True):
             exact = mp.log(abs(mp.mpf(float(a)) / mp.mpf(float(b)))) + int(k) * mp.ln2
             assert abs(mp.mpf(float(value)) - exact) <= 3 * np.spacing(abs(float(exact)))
             assert logarithm.log_quotient(mp.mpf(float(a)), mp.mpf(float(b)), int(k)) == exact
             assert logarithm.quotient_sign(mp.mpf(float(a)), mp.mpf(float(b))) == mp.sign(a)
-
-
-def test_a_quotient_beyond_its_range_has_no_logarithm_and_no_sign():
     inside = [2.0**-1021, -1.0, np.nextafter(2.0**1022, 0.0)]
     outside = [0.0, -0.0, np.nextafter(2.0**-1021, 0.0), 5e-324, 2.0**1022, np.inf, -np.inf, np.nan]
     for wrong, right in itertools.product(outside, inside):
@@ -277,7 +266,7 @@ def rounded(function, angle):
 def assert_correctly_rounded(function, has_low, angles):
     (found,) = tables.words([(function, has_low)], angles)
     expected = np.array([rounded(function, angle) for angle in angles.tolist()]).T
-    np.testing.assert_array_equal(found[: 1 + has_low], expected[: 1 + has_low])
+    assert_array_equal(found[: 1 + has_low], expected[: 1 + has_low])
     return found[: 1 + has_low]
 
 
@@ -288,7 +277,7 @@ def test_tables_and_their_low_parts_are_correctly_rounded(function):
         known = assert_correctly_rounded(function, FUNCTIONS_TRIPLE[function][1], angles)
         for k in range(0, angles.size, 7):  # one by one they take another way
             (one,) = tables.words([(function, FUNCTIONS_TRIPLE[function][1])], angles[k : k + 1])
-            np.testing.assert_array_equal(one[: len(known), 0], known[:, k])
+            assert_array_equal(one[: len(known), 0], known[:, k])
 
 
 @pytest.mark.stress
@@ -308,7 +297,7 @@ def test_tables_do_not_depend_on_company_or_order():
     for start, stop in ((0, 1), (1, 12), (12, 200), (4000, 4500)):
         alone = tables.words(pairs[::-1], angles[start:stop][::-1].copy())[::-1]
         for one, all_ in zip(alone, together, strict=True):
-            np.testing.assert_array_equal(one[:, ::-1], all_[:, start:stop])
+            assert_array_equal(one[:, ::-1], all_[:, start:stop])
 
 
 @pytest.mark.parametrize("function", FUNCTIONS_TRIPLE, ids=[name for name, _ in FUNCTIONS_TRIPLE.values()])
@@ -321,13 +310,25 @@ def test_almost_every_rounding_is_certain(function):
     assert np.mean(low_sure) > 0.998
 
 
-def test_usual_angles_need_no_other_way():
+def test_certainty_of_usual_angles_of_none_beyond_the_range_and_of_functions_without_a_rule():
     """Zero is exact, and whole numbers of quarters are as near to those of pi as doubles are."""
     for function, (name, has_low) in FUNCTIONS_TRIPLE.items():
         for angle in (0.0, 1.0, np.pi, -np.pi, np.pi / 2, 2.0 * np.pi):
             _, _, sure, low_sure = function(TripleDouble.of(angle)).doubles()
             cancels = name.startswith("slider_crank") and angle == np.pi / 2
             assert (low_sure if has_low else sure) or cancels, (name, angle)
+    for angle in [1.1e5, -1e22, np.inf, -np.inf, np.nan, 2.0**-301, -5e-324]:
+        for x in (angle, np.array([angle])):
+            with np.errstate(all="ignore"):
+                for core in (multiple.circular, multiple.hyperbolic):
+                    assert not np.any(core(x)[1] < np.inf)
+                    assert not np.any(core(x)[3] < np.inf)
+
+    def sine_of_a_sine(theta):
+        return sin(sin(theta))
+
+    for angles in (np.array([0.5]), np.linspace(-4.0, 4.0, 41)):
+        assert_correctly_rounded(sine_of_a_sine, True, angles)
 
 
 def exact_parts(core, x):
@@ -354,23 +355,6 @@ def test_errors_stay_below_their_bounds(core):
                     assert error <= bound, (kind, angle)
                     # 2^-100 of the square of the rest, 2^-22.7 at most, and of a table's value over 2^-11 or more
                     assert bound <= 2.0**-110 * abs(exact), (kind, angle)
-
-
-def test_nothing_is_certain_beyond_the_range():
-    for angle in [1.1e5, -1e22, np.inf, -np.inf, np.nan, 2.0**-301, -5e-324]:
-        for x in (angle, np.array([angle])):
-            with np.errstate(all="ignore"):
-                for core in (multiple.circular, multiple.hyperbolic):
-                    assert not np.any(core(x)[1] < np.inf)
-                    assert not np.any(core(x)[3] < np.inf)
-
-
-def test_functions_without_a_rule_are_left_to_mpmath():
-    def sine_of_a_sine(theta):
-        return sin(sin(theta))
-
-    for angles in (np.array([0.5]), np.linspace(-4.0, 4.0, 41)):
-        assert_correctly_rounded(sine_of_a_sine, True, angles)
 
 
 def test_constants_are_rounded_to_their_last_place():
@@ -408,18 +392,10 @@ EXACT = {
     "pair_product": (lambda a, a_low, b, b_low: (a + a_low) * (b + b_low), 4),
     "pair_quotient": (lambda a, a_low, b, b_low: (a + a_low) / (b + b_low), 4),
     "square_sum": (lambda a, f, f_low, b: a * a + (f + f_low) * b * b, 4),
-    "gap_product_quotient": (
-        lambda f, f_low, g, g_low, x, y: (f + f_low) * (g + g_low) / (4 * x * y),
-        6,
-    ),
+    "gap_product_quotient": (lambda f, f_low, g, g_low, x, y: (f + f_low) * (g + g_low) / (4 * x * y), 6),
 }
 #: Which arguments are low parts, roundings of those before them.
-LOW = {
-    "pair_product": (1, 3),
-    "pair_quotient": (1, 3),
-    "square_sum": (2,),
-    "gap_product_quotient": (1, 3),
-}
+LOW = {"pair_product": (1, 3), "pair_quotient": (1, 3), "square_sum": (2,), "gap_product_quotient": (1, 3)}
 
 
 def drawn(name, rng, digits):

@@ -18,7 +18,7 @@ from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import cKDTree
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, sweep_4r
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
@@ -37,7 +37,6 @@ DESIGNS = {
     "slider_crank": {"r": 0.1, "l": 0.3, "e": 0.02, "theta": 0.9},
 }
 DRIVEN = [(name, other) for name in NAMES for other in inputs_of(name)[1:]]
-LINKS = fl.round_bar(7750.0, 0.01)
 DISTANCES = {
     "euclidean": np.hypot,
     "minkowskian": lambda x, y: np.sqrt(np.abs(x - y)) * np.sqrt(np.abs(x + y)),
@@ -67,9 +66,6 @@ def arrows(figure):
 def motion_of(mechanism, design, **options):
     known = catalogue(mechanism)
     return Motion(mechanism, known, picture_of(mechanism, known), design, (1, 2), None, **options)
-
-
-# -- what is drawn is what the facts say -----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("mechanism", NAMES)
@@ -132,12 +128,24 @@ def test_names_are_shown_none_covers_another_and_the_picture_is_to_scale(mechani
     assert any(text.get_text().endswith(" m") for text in axis.texts)
 
 
-def test_what_both_assembly_modes_share_is_drawn_once():
+def test_modes_and_angles_are_named_once():
     found = bars(fl.draw("planar_4r", FOUR_BAR, theta1=1.0))
     both = [("A", "B", "1"), ("A", "B", "2"), ("D", "B", "1"), ("D", "B", "2"), ("O", "A", "1")]
     assert sorted(found) == both
     second = [("A", "B", "2"), ("D", "B", "2"), ("O", "A", "2")]
     assert sorted(bars(fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=2))) == second
+    one, both = (fl.draw("planar_4r", CURVED, theta1=1.0, branch=branch) for branch in (2, None))
+    assert [text.get_text() for text in one.legends[0].get_texts()] == ["path of $P$"]
+    assert any("branch 2: B to the left" in text.get_text() for text in one.texts)
+    assert len(both.legends[0].get_texts()) == 3
+    assert not fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=1, show=[]).legends[0].get_texts()
+    figure = fl.draw("planar_4r", FOUR_BAR)
+    assert any("$\\theta_{1}$ = 60°" in text.get_text() for text in figure.texts)
+    figure = fl.draw("planar_4r", FOUR_BAR, theta1=1.0)
+    assert any("$\\theta_{1}$ = 1 rad" in text.get_text() for text in figure.texts)
+    assert motion_of("planar_4r", {"a1": 0.9, "a2": 1.0, "a3": 0.9, "a4": 0.3}).title == "Double crank"
+    figure = fl.draw("planar_4r", FOUR_BAR, input="joint_angle_3")
+    assert "Crank-rocker" in [text.get_text() for text in figure.texts]
 
 
 @pytest.mark.parametrize(
@@ -155,22 +163,8 @@ def test_the_title_says_what_this_design_is(mechanism, title):
     assert title in [text.get_text() for text in figure.texts]
 
 
-def test_a_part_of_the_title_that_a_design_has_no_value_for_is_left_out():
-    assert motion_of("planar_4r", {"a1": 0.9, "a2": 1.0, "a3": 0.9, "a4": 0.3}).title == "Double crank"
-    figure = fl.draw("planar_4r", FOUR_BAR, input="joint_angle_3")
-    assert "Crank-rocker" in [text.get_text() for text in figure.texts]
-
-
-def test_one_mode_is_named_below_and_has_no_entry_in_the_legend():
-    one, both = (fl.draw("planar_4r", CURVED, theta1=1.0, branch=branch) for branch in (2, None))
-    assert [text.get_text() for text in one.legends[0].get_texts()] == ["path of $P$"]
-    assert any("branch 2: B to the left" in text.get_text() for text in one.texts)
-    assert len(both.legends[0].get_texts()) == 3
-    assert not fl.draw("planar_4r", FOUR_BAR, theta1=1.0, branch=1, show=[]).legends[0].get_texts()
-
-
 def test_what_all_shows_is_in_the_legend():
-    figure = fl.draw("planar_4r", CURVED, theta1=1.0, omega1=10.0, links=LINKS, show="all")
+    figure = fl.draw("planar_4r", CURVED, theta1=1.0, omega1=10.0, links=BARS, show="all")
     for word in ("circles", "comb", "mass centres", "path of", "forces", "torques"):
         assert legend(figure, word)
     assert {"$G_{1}$", "$G_{2}$", "$G_{3}$"} <= {text.get_text() for text in figure.axes[0].texts}
@@ -183,21 +177,11 @@ def test_what_all_shows_is_in_the_legend():
 
 def test_arrows_and_films_are_of_the_first_mode_that_is_there(tmp_path):
     given = CURVED | {"omega1": 10.0, "theta1": 1.0}
-    assert {branch for *_, branch in bars(fl.draw("planar_4r", given, links=LINKS, show="forces"))} == {"1"}
+    assert {branch for *_, branch in bars(fl.draw("planar_4r", given, links=BARS, show="forces"))} == {"1"}
     figure = fl.draw("planar_4r", FOUR_BAR, animate=tmp_path / "a.gif", frames=2)
     assert {branch for *_, branch in bars(figure)} == {"1"}
     # a quarter of a frame beyond half a turn, as the last picture says
     assert "$\\theta_{1}$ = 45°" in [text.get_text() for text in figure.axes[0].texts]
-
-
-def test_an_angle_is_in_degrees_unless_it_is_given_in_radians():
-    figure = fl.draw("planar_4r", FOUR_BAR)
-    assert any("$\\theta_{1}$ = 60°" in text.get_text() for text in figure.texts)
-    figure = fl.draw("planar_4r", FOUR_BAR, theta1=1.0)
-    assert any("$\\theta_{1}$ = 1 rad" in text.get_text() for text in figure.texts)
-
-
-# -- the range of the motion -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -233,7 +217,7 @@ def test_by_another_input_the_linkage_stands_where_the_first_one_puts_it(mechani
         assert any(np.abs(one - ends).max() < size for one in modes), (a, b)
 
 
-def test_a_range_that_is_only_looked_at_is_no_limit():
+def test_ranges_that_are_only_looked_at_are_no_limits_and_one_of_several_positions_may_lie_beyond():
     linkage = {"a": 1.0, "b": 1.0, "g": 4.0, "h": 1.0, "x": 0.5, "y": 0.3}
     motion = motion_of("minkowski_4r", linkage, reach=5.0)
     limits = fl.evaluate("minkowski_4r", ["theta_min", "theta_max"], **linkage)
@@ -241,9 +225,9 @@ def test_a_range_that_is_only_looked_at_is_no_limit():
     assert motion.range_texts(False) == [f"up to -{outer}", f"-{inner} to {inner}", f"{outer} on"]
     assert motion.span == (-5.0, 5.0)
     assert bars(fl.draw("minkowski_4r", linkage, theta=4.5))
-
-
-# -- words, strips and curves ----------------------------------------------------------------------------------------
+    figure = fl.draw("planar_4r", ROCKER, theta1_deg=[60, 170])
+    assert (bool(bars(figure, 0)), bool(bars(figure, 1))) == (True, False)
+    assert "does not assemble" in [text.get_text() for text in figure.axes[1].texts]
 
 
 @pytest.mark.parametrize(
@@ -298,12 +282,12 @@ def legend(figure, word):
     return found
 
 
-def test_forces_are_arrows_in_their_directions():
+def test_forces_are_arrows_and_torques_curved_ones_in_their_directions():
     given = CURVED | {"omega1": 20.0, "theta1": 1.0}
-    figure = fl.draw("planar_4r", given, links=LINKS, branch=1, show="forces")
+    figure = fl.draw("planar_4r", given, links=BARS, branch=1, show="forces")
     vectors = np.array([np.subtract(one.xy, one.xyann) for one in arrows(figure)])
     names = [f"{name}_{xy}" for name in ("F41", "F21", "F32", "F43") for xy in "xy"]
-    forces = fl.evaluate("planar_4r", names, **given, links=LINKS, branch=1)
+    forces = fl.evaluate("planar_4r", names, **given, links=BARS, branch=1)
     expected = np.reshape(list(forces.values()), (4, 2))
     greatest = legend(figure, "forces").split()[-2]
     assert float(greatest) == float(f"{np.hypot(*expected.T).max():.3g}")
@@ -311,12 +295,9 @@ def test_forces_are_arrows_in_their_directions():
     ratio = np.hypot(*vectors.T) / np.hypot(*expected.T)
     assert_allclose(ratio, ratio[0], rtol=1e-12)  # 2^-53 of a coordinate of 1 in an arrow of a thousandth
     assert_allclose(np.arctan2(*vectors.T), np.arctan2(*expected.T), rtol=1e-12)
-
-
-def test_torques_are_curved_arrows_in_their_sense():
     given = {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5, "theta": 0.9}
-    figure = fl.draw("slider_crank", given, links=LINKS, show="torques", branch=[1, 2])
-    torques = fl.evaluate("slider_crank", ["T41"], **given, links=LINKS, branch=[1, 2])["T41"]
+    figure = fl.draw("slider_crank", given, links=BARS, show="torques", branch=[1, 2])
+    torques = fl.evaluate("slider_crank", ["T41"], **given, links=BARS, branch=[1, 2])["T41"]
     arcs = [line.get_xydata() for line in figure.axes[0].lines if line.get_zorder() == 6.5]
     turns = [np.unwrap(np.arctan2(*arc.T[::-1])) for arc in arcs]
     assert [np.sign(turn[-1] - turn[0]) for turn in turns] == np.sign(torques).tolist()
@@ -363,8 +344,6 @@ def test_curves_stand_beside_with_the_input_marked():
         assert_allclose(marks, [(60.0, value) for value in np.degrees(expected)], rtol=1e-14)
 
 
-# -- designs of studies, maps and rows -------------------------------------------------------------------------------
-
 STUDY = """
 mechanism = "planar_4r"
 quantities = ["transmission_angle_min"]
@@ -406,7 +385,7 @@ def lengths(figure):
 EXPECTED = pytest.approx((1.1, 0.8), rel=1e-14)
 
 
-def test_a_design_by_its_number_and_by_its_values(maps, place, tmp_path):
+def test_designs_by_number_values_or_row_have_their_mode_and_position(maps, place, tmp_path):
     for name, text in (("study", STUDY), ("single", SINGLE)):
         (tmp_path / f"{name}.toml").write_text(text)
     near = {"at": {"a2": 1.12, "a3": 0.79}}
@@ -418,9 +397,6 @@ def test_a_design_by_its_number_and_by_its_values(maps, place, tmp_path):
     assert lengths(fl.draw(place, 3)) == EXPECTED
     figure = fl.draw(tmp_path / "study.toml", 3, theta1=1.0, show="forces", branch=2)  # with its links
     assert (lengths(figure), len(arrows(figure))) == (EXPECTED, 4)
-
-
-def test_a_row_has_its_assembly_mode_and_its_position(maps):
     rows = maps.fastlink.top(2, "transmission_angle")
     figure = fl.draw(rows, 1)
     crank = bars(figure)["O", "A", str(int(rows.branch[1]))][1]
@@ -429,8 +405,6 @@ def test_a_row_has_its_assembly_mode_and_its_position(maps):
     assert {branch for *_, branch in bars(figure)} == {str(int(rows.branch[1]))}
     assert {branch for *_, branch in bars(fl.draw(rows, 1, theta1_deg=20, branch=[1, 2]))} == {"1", "2"}
 
-
-# -- moving pictures -------------------------------------------------------------------------------------------------
 
 FRAMES = 3
 
@@ -480,15 +454,6 @@ def test_a_film_is_handed_to_ffmpeg(tmp_path, monkeypatch):
     program.write_text(f"{script}sys.exit('no such codec')\n")
     with refused("animate", "a .gif"):
         fl.draw("hart", m=4.0, n=8.0, d=5.0, kappa=0.5, animate=film, frames=2)
-
-
-# -- what means nothing ----------------------------------------------------------------------------------------------
-
-
-def test_of_several_positions_one_may_lie_beyond_the_limits():
-    figure = fl.draw("planar_4r", ROCKER, theta1_deg=[60, 170])
-    assert (bool(bars(figure, 0)), bool(bars(figure, 1))) == (True, False)
-    assert "does not assemble" in [text.get_text() for text in figure.axes[1].texts]
 
 
 @pytest.mark.parametrize("at", [60.0, [60.0, 80.0]])
@@ -584,19 +549,12 @@ def test_other_sources_and_options_among_the_inputs_are_refused(tmp_path):
 
 ezdxf = pytest.importorskip("ezdxf")
 
-DESIGNS_CAD = {
-    "planar_4r": {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, "P_u": 0.5, "P_v": 0.35, "theta1": 1.0},
-    "minkowski_4r": {"a": 1.0, "b": 1.0, "g": 4.0, "h": 1.0, "x": 0.5, "y": 0.3, "theta": 1.6},
-    "focal": {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "s": 2.0, "completion": 1, "phi": 1.3},
-    "hart": {"m": 4.0, "n": 8.0, "d": 5.0, "kappa": 0.5, "phi": 0.9},
-    "slider_crank": {"r": 0.1, "l": 0.3, "e": 0.02, "theta": 0.9},
-}
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def expected(mechanism, branch):
     """Return the points of a mechanism by name, in millimetres, as the facts say."""
-    design, picture = DESIGNS_CAD[mechanism], picture_of(mechanism, catalogue(mechanism))
+    design, picture = DESIGNS[mechanism], picture_of(mechanism, catalogue(mechanism))
     points = [one for one in picture.points if not one.group]
     names = {value for one in points for value in (one.x, one.y) if isinstance(value, str)} - design.keys()
     known = design | dict(fl.evaluate(mechanism, sorted(names), **design, branch=branch))
@@ -608,7 +566,7 @@ def expected(mechanism, branch):
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_joints_of_a_dxf_stand_where_the_facts_say(mechanism, tmp_path):
     place = tmp_path / "linkage.dxf"
-    fl.draw(mechanism, DESIGNS_CAD[mechanism], branch=2, to=place)
+    fl.draw(mechanism, DESIGNS[mechanism], branch=2, to=place)
     drawing = ezdxf.readfile(place)
     assert not drawing.audit().has_issues
     assert drawing.header["$INSUNITS"] == ezdxf.units.MM
@@ -630,19 +588,19 @@ def test_joints_of_a_dxf_stand_where_the_facts_say(mechanism, tmp_path):
 
 def test_paths_are_those_of_the_facts_and_modes_have_layers(tmp_path):
     place = tmp_path / "both.dxf"
-    fl.draw("planar_4r", DESIGNS_CAD["planar_4r"], to=place)
+    fl.draw("planar_4r", DESIGNS["planar_4r"], to=place)
     space = ezdxf.readfile(place).modelspace()
     layers = {one.dxf.layer for one in space}
     assert layers == {"ground", "bars 1", "bars 2", "joints 1", "joints 2", "paths 1", "paths 2"}
     for branch in (1, 2):
         (path,) = space.query(f'LWPOLYLINE[layer=="paths {branch}"]')
         at = np.linspace(-np.pi, np.pi, 722)
-        design = DESIGNS_CAD["planar_4r"] | {"theta1": at}
+        design = DESIGNS["planar_4r"] | {"theta1": at}
         known = fl.evaluate("planar_4r", ["P_x", "P_y"], **design, branch=branch)
         assert_allclose(
             path.get_points("xy"), 1000.0 * np.stack([known["P_x"], known["P_y"]], axis=-1), atol=1e-9
         )
-    fl.draw("slider_crank", DESIGNS_CAD["slider_crank"], branch=1, to=place)
+    fl.draw("slider_crank", DESIGNS["slider_crank"], branch=1, to=place)
     (guide,) = ezdxf.readfile(place).modelspace().query('LWPOLYLINE[layer=="ground"]')
     stroke = float(fl.evaluate("slider_crank", ["stroke"], r=0.1, l=0.3, e=0.02)["stroke"])
     (low, y), (high, _) = guide.get_points("xy")
@@ -652,7 +610,7 @@ def test_paths_are_those_of_the_facts_and_modes_have_layers(tmp_path):
 @pytest.mark.parametrize("mechanism", NAMES)
 def test_an_svg_in_millimetres_has_the_same_places(mechanism, tmp_path):
     place = tmp_path / "linkage.mm.svg"
-    fl.draw(mechanism, DESIGNS_CAD[mechanism], branch=1, to=place)
+    fl.draw(mechanism, DESIGNS[mechanism], branch=1, to=place)
     page = ET.parse(place).getroot()
     box = [float(one) for one in page.get("viewBox").split()]
     assert (page.get("width"), page.get("height")) == (f"{box[2]}mm", f"{box[3]}mm")
@@ -668,5 +626,5 @@ def test_an_svg_in_millimetres_has_the_same_places(mechanism, tmp_path):
 def test_without_ezdxf_the_remedy_is_said_before_anything_is_drawn(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "ezdxf", None)
     with refused("to", "python -m pip install ezdxf"):
-        fl.draw("planar_4r", DESIGNS_CAD["planar_4r"], to=tmp_path / "linkage.dxf")
+        fl.draw("planar_4r", DESIGNS["planar_4r"], to=tmp_path / "linkage.dxf")
     assert not list(tmp_path.iterdir())

@@ -93,9 +93,6 @@ def finite(values):
     return np.where(np.isfinite(values), values, np.nan)
 
 
-# -- maps ------------------------------------------------------------------------------------------
-
-
 def test_a_map_shows_the_values_where_they_belong(maps):
     figure = fl.plot(maps, "omega4_max", branch=2, at={"a4": 0.97})
     (axes,) = panels(figure)
@@ -152,11 +149,18 @@ def test_gaps_along_a_sample_are_one_shape_however_many_they_are():
         assert len(shape.get_paths()) > 20
 
 
-def test_modes_that_agree_are_one_panel_and_others_two(maps):
+def test_modes_that_agree_are_one_panel_others_two_and_one_alone_has_its_name(maps):
     assert len(panels(fl.plot(maps, "omega4_max", at={"a4": 1.0}))) == 1
     differ = panels(fl.plot(maps, "theta1_at_omega4_max", at={"a4": 1.0}))
     assert [axes.get_title() for axes in differ] == ["branch 1", "branch 2"]
     assert_array_equal(cells(differ[1]), maps["theta1_at_omega4_max"].sel(branch=2, a4=1.0).T)
+    space = fl.grid(a1=[0.2, 0.5], a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
+    one = fl.sweep("planar_4r", space, ["omega4_max"], branch=2)
+    assert "branch" not in one.dims
+    for options in ({}, {"branch": 2}):
+        assert drawn(one, "omega4_max", **options).get_suptitle().endswith("branch 2")
+    with refused("branch", "2"):
+        fl.plot(one, "omega4_max", branch=1)
 
 
 def test_a_code_of_many_values_has_a_legend_beside_the_axes(types):
@@ -198,22 +202,16 @@ def test_codes_and_counts(types):
     assert legend(fl.plot(types, "theta_max")) == ["has no value"]
 
 
-def test_very_large_maps_are_thinned():
+def test_large_maps_are_thinned_and_outliers_do_not_use_up_the_colours():
     space = fl.grid(a1=np.linspace(0.1, 0.3, 4000), a2=[1.1, 1.2], a3=0.8, a4=1.0)
     figure = fl.plot(sweep_4r(space, ["status"]), "status")
     assert cells(panels(figure)[0]).shape == (2, 1334)
-
-
-def test_a_few_outliers_do_not_use_up_the_colours():
     values = np.concatenate((np.linspace(1.0, 2.0, 100), [1e6]))
     low, high, extend = limits_of(values, values, 2.0)
     assert (low, extend) == (1.0, "max")
     assert 1.9 < high < 2.2
     assert limits_of(values[:-1], values[:-1], 2.0) == (1.0, 2.0, "neither")
     assert limits_of(np.ones(3), np.ones(3), 2.0) == (0.5, 1.5, "neither")
-
-
-# -- grids of maps ---------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -256,10 +254,7 @@ def test_assembly_modes_that_differ_have_a_row_each_and_codes_a_legend(solid):
     assert (len(codes), "crank rocker" in words(codes[-1])) == (3, True)
 
 
-# -- lines -----------------------------------------------------------------------------------------
-
-
-def test_curves_are_a_line_for_each_mode(curves):
+def test_curves_are_a_line_for_each_mode_and_a_single_number_is_stated(curves):
     figure = fl.plot(curves, "omega4")
     assert legend(figure) == ["branch 1", "branch 2", "does not assemble"]
     for branch, line in zip((1, 2), figure.axes[0].get_lines(), strict=True):
@@ -268,6 +263,9 @@ def test_curves_are_a_line_for_each_mode(curves):
     assert [text.get_text() for text in figure.axes[0].get_xticklabels()][2] == r"$\pi$"
     (line,) = fl.plot(curves, "omega4", branch=2).axes[0].get_lines()
     assert_array_equal(line.get_ydata(), curves["omega4"].sel(branch=2))
+    value = float(curves["omega4_max"].sel(branch=1))
+    with pytest.raises(fl.InputError, match=rf"its value is {value:g}; leave one free$"):
+        fl.plot(curves, "omega4_max", branch=1)
 
 
 def test_a_line_for_each_value_of_an_input(solid):
@@ -317,9 +315,6 @@ def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
     assert 1 < len(contours.levels) < 7  # of eight; those near the toggles are on each other
 
 
-# -- degrees ---------------------------------------------------------------------------------------
-
-
 def test_angles_in_degrees_along_axes_and_in_colours(flat):
     figure = drawn(flat, "theta4", branch=2, at={"theta1": 91.0}, degrees=True)
     assert figure.get_suptitle().endswith(r"$\theta_{1}$ = 90°, branch 2")
@@ -353,8 +348,6 @@ def test_an_angle_that_passes_half_a_turn_is_cut_and_has_cyclic_colours():
     assert_array_equal(lines[0][np.isfinite(lines[0])], values[np.isfinite(values)])
     assert_allclose(lines[1], np.rad2deg(lines[0]), rtol=4e-16)
 
-
-# -- what users make of maps -----------------------------------------------------------------------
 
 LABELS = ["a_$", "b$^2$", "x" * 99, ""]
 CHANGES = {
@@ -410,19 +403,6 @@ def test_labels_of_designs_stand_along_the_axis_as_they_are(path, flat):
     assert legend(drawn(equal, "omega4_max", branch=1)) == legend(drawn(flat, "omega4_max", branch=1))
 
 
-def test_a_map_of_one_mode_has_that_mode():
-    space = fl.grid(a1=[0.2, 0.5], a2=[1.1, 1.2], a3=0.8, a4=1.0, omega1=25.0)
-    one = fl.sweep("planar_4r", space, ["omega4_max"], branch=2)
-    assert "branch" not in one.dims
-    for options in ({}, {"branch": 2}):
-        assert drawn(one, "omega4_max", **options).get_suptitle().endswith("branch 2")
-    with refused("branch", "2"):
-        fl.plot(one, "omega4_max", branch=1)
-
-
-# -- values ----------------------------------------------------------------------------------------
-
-
 def shaped(make):
     """Return a function that makes values of a shape from their count."""
     return lambda values: make(values.size).reshape(values.shape)
@@ -470,9 +450,6 @@ def test_any_values_are_drawn_and_what_is_the_same_everywhere_says_so(flat, valu
     assert line.get_ylim()[0] < line.get_ylim()[1]
 
 
-# -- rows: points, cells, corners, cumulative distributions, fronts --------------------------------
-
-
 @pytest.fixture(scope="module")
 def rows():
     """Designs of every status; some extremes are infinite, and some do not assemble."""
@@ -509,12 +486,18 @@ def test_a_scatter_has_every_row_with_numbers_and_counts_the_others(rows, usable
     assert figure.get_suptitle() == f"{expected} rows where status is rotates fully and a2 is at least 1"
 
 
-def test_a_third_quantity_colours(rows):
+def test_a_third_quantity_colours_and_a_corner_has_each_pair(rows):
     axis, scale = fl.plot(rows, [*NAMES, "a1"]).axes
     assert scale.get_ylabel() == "$a_{1}$ [m]"
     values = rows.a1.broadcast_like(rows.omega4_max).values[np.isfinite(rows.omega4_max.values)]
     assert_array_equal(shown(axis, PathCollection).get_array(), values)
     assert "crank rocker" in words(fl.plot(rows, [*NAMES, "grashof_class"]).axes[0])
+    axes = [axis for axis in fl.plot(rows, [*NAMES, "a1", "a2"]).axes if axis.get_visible()]
+    assert len(axes) == 4 + 6
+    assert [axis.get_xlabel() for axis in axes[-4:]][2:] == ["$a_{1}$ [m]", "$a_{2}$ [m]"]
+    assert not axes[0].collections
+    (two,) = [axis for axis in fl.plot(rows, NAMES, kind="corner").axes if axis.collections]
+    assert len(shown(two, PathCollection).get_offsets())
 
 
 def test_many_rows_are_counted_in_cells(rows, usable, monkeypatch):
@@ -529,15 +512,6 @@ def test_many_rows_are_counted_in_cells(rows, usable, monkeypatch):
     assert fl.plot(rows, [*NAMES, "a1"]).axes[1].get_ylabel() == "mean of $a_{1}$ [m]"
     with refused("grashof_class", "where"):
         fl.plot(rows, [*NAMES, "grashof_class"])
-
-
-def test_a_corner_has_each_pair_and_each_by_itself(rows):
-    axes = [axis for axis in fl.plot(rows, [*NAMES, "a1", "a2"]).axes if axis.get_visible()]
-    assert len(axes) == 4 + 6
-    assert [axis.get_xlabel() for axis in axes[-4:]][2:] == ["$a_{1}$ [m]", "$a_{2}$ [m]"]
-    assert not axes[0].collections
-    (two,) = [axis for axis in fl.plot(rows, NAMES, kind="corner").axes if axis.collections]
-    assert len(shown(two, PathCollection).get_offsets())
 
 
 @pytest.mark.parametrize("most", [charts.MOST_POINTS, 20], ids=["points", "cells"])
@@ -563,9 +537,6 @@ def test_a_front_is_that_of_best(rows):
     assert words(axis) == ["all rows", "Pareto front"]
     three = fl.plot(rows, minimise="omega4_max", maximise=["transmission_angle_min", "a1"])
     assert len([axis for axis in three.axes if axis.get_visible()]) == 6
-
-
-# -- doors, files and state ------------------------------------------------------------------------
 
 
 def test_a_map_has_its_pictures_itself(rows, folder):
@@ -652,9 +623,6 @@ def test_symbols_are_set_as_mathematics(symbol, text):
     assert mathematical(symbol) == text
 
 
-# -- what cannot be drawn --------------------------------------------------------------------------
-
-
 def plot(name="omega4_max", **options):
     return lambda maps: fl.plot(
         maps.assign(note=("a1", list("abcd")), odd=maps.omega4_max * 1j), name, **options
@@ -728,9 +696,3 @@ def test_requests_without_sense_are_refused(maps, draw, key, remedy, folder):
     (folder / "folder.png").mkdir()
     with refused(key, remedy):
         draw(maps)
-
-
-def test_a_single_number_is_stated_instead_of_drawn(curves):
-    value = float(curves["omega4_max"].sel(branch=1))
-    with pytest.raises(fl.InputError, match=rf"its value is {value:g}; leave one free$"):
-        fl.plot(curves, "omega4_max", branch=1)

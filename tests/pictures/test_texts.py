@@ -10,14 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from tests.support.commands import code_blocks, run_command
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue
 from fastlink.pictures.draw import picture_of
 from fastlink.pictures.style import NotebookFigure
 
-LINKS = fl.round_bar(7750.0, 0.01)
 FOUR_BAR = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0, "P_u": 0.5, "P_v": 0.35}
 DESIGNS = {
     "planar_4r": FOUR_BAR | {"omega1": 10.0},
@@ -27,14 +26,8 @@ DESIGNS = {
     "slider_crank": {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 50.0, "m3": 0.5},
 }
 LOADS = {"planar_4r", "slider_crank"}
-QUANTITIES = [
-    "shaking_force_max",
-    "transmission_angle_min",
-    "omega4_max",
-    "status",
-    "grashof_class",
-    "theta1_at_omega4_max",
-]
+QUANTITIES = ["shaking_force_max", "transmission_angle_min", "omega4_max"]
+QUANTITIES += ["status", "grashof_class", "theta1_at_omega4_max"]
 FORCE, ANGLE = QUANTITIES[:2]
 
 
@@ -48,7 +41,7 @@ def maps():
         a4=[0.8, 0.9, 1.0, 1.1, 1.2],
         omega1=25.0,
     )
-    return sweep_4r(space, QUANTITIES, links=LINKS)
+    return sweep_4r(space, QUANTITIES, links=BARS)
 
 
 @cache
@@ -67,7 +60,7 @@ def designs(*given, **options):
 
 
 def drawn(mechanism, **options):
-    options = ({"links": LINKS} if mechanism in LOADS else {}) | options
+    options = ({"links": BARS} if mechanism in LOADS else {}) | options
     return lambda: fl.draw(mechanism, DESIGNS[mechanism], **options)
 
 

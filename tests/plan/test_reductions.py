@@ -250,11 +250,6 @@ def test_means_and_places_of_codes_are_numbers():
     assert "flag_meanings" in maps.configuration_status_max.attrs
 
 
-def test_a_reduction_without_a_reference_is_refused():
-    with pytest.raises(TypeError, match="reference"):
-        Reduction(suffix="median", phrase="median", accumulators={"total": ("0.0", TOTAL)}, finish="{total}")
-
-
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -274,9 +269,15 @@ def test_parts_that_do_not_fit_are_refused(change, message):
         replace(SUM, **change)
 
 
-def test_a_suffix_is_declared_once():
+def test_suffixes_are_declared_once_with_a_reference_and_unknown_once_taken_back():
     with pytest.raises(CatalogueError, match="max is declared twice"):
         register(REDUCTIONS["max"])
+    with pytest.raises(TypeError, match="reference"):
+        Reduction(suffix="median", phrase="median", accumulators={"total": ("0.0", TOTAL)}, finish="{total}")
+    unregister("sum")
+    with pytest.raises(fl.InputError, match="'omega4_sum' is unknown"):
+        swept(["omega4_sum"])
+    register(SUM)
 
 
 @pytest.mark.parametrize("suffix", ["of_all", "error", "extrema"])
@@ -284,10 +285,3 @@ def test_a_suffix_that_means_something_else_is_refused(suffix):
     with pytest.raises(CatalogueError, match="cannot be called"):
         register(replace(SUM, suffix=suffix))
     assert suffix not in REDUCTIONS
-
-
-def test_what_is_taken_back_is_unknown():
-    unregister("sum")
-    with pytest.raises(fl.InputError, match="'omega4_sum' is unknown"):
-        swept(["omega4_sum"])
-    register(SUM)

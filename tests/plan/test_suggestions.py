@@ -13,15 +13,8 @@ from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.query import parse_request, suggest_input, suggest_quantity
 
-# == Names as users write them before they know the catalogue, and what they mean ============================
 # Written down before the scorer was: textbook symbols, words of machine designers, other spellings, typing errors.
 # Each phrase is of a mechanism; what is meant must be among the first three suggestions.
-
-"""Names as users write them before they know the catalogue, and what they mean.
-
-Written down before the scorer was: textbook symbols, words of machine designers, other spellings, typing errors. Each
-phrase is of a mechanism; what is meant must be among the first three suggestions.
-"""
 
 #: Phrases for quantities, by mechanism: `NAME: PHRASE | PHRASE` a line.
 QUANTITIES = {
@@ -162,7 +155,7 @@ MECHANISMS = """
 """
 
 
-def pairs(lines: str) -> list[tuple[str, str]]:
+def pairs(lines):
     """Return the phrases of a table with what they mean."""
     rows = [line.partition(": ") for line in map(str.strip, lines.splitlines()) if line]
     return [(phrase, name) for name, _, phrases in rows for phrase in phrases.split(" | ")]
@@ -258,16 +251,15 @@ def test_the_message_about_a_quantity(mechanism, name, remedy):
         sweep_both(mechanism, fl.grid(), [name])
 
 
-def test_the_mechanism_that_a_phrase_means_is_suggested():
+def test_mechanisms_keywords_and_quantities_of_other_mechanisms_are_suggested():
     for phrase, name in pairs(MECHANISMS):
         with refused(repr(phrase), f"did you mean {name!r}?"):
             fl.quantities(phrase)
-
-
-def test_a_keyword_is_an_input_or_an_option():
     for name, remedy in {"crank": "'a1'", "solvr": "'solver'", "brnch": "'branch'"}.items():
         with refused(name, remedy):
             fl.evaluate("planar_4r", ["omega4"], **DESIGN, theta1=1.0, **{name: 1})
+    with refused("known to focal and hart"):
+        sweep_4r(fl.grid(**DESIGN), ["F_x"])
 
 
 @pytest.mark.parametrize("mechanism", NAMES)
@@ -279,11 +271,6 @@ def test_a_study_without_quantities_is_given_one_of_its_mechanism(mechanism, lin
         fl.run(study)
     (name,) = re.search(r'quantities.*\["(\w+)"\]', str(caught.value)).groups()
     assert parse_request(name, find_catalogue(mechanism)).name == name
-
-
-def test_a_quantity_of_other_mechanisms_is_called_so():
-    with refused("known to focal and hart"):
-        sweep_4r(fl.grid(**DESIGN), ["F_x"])
 
 
 @pytest.mark.parametrize(
@@ -309,14 +296,11 @@ def test_missing_masses_name_the_links(name):
     assert all(mass in line for mass in ("m2", "m3", "G2_u"))
 
 
-def test_masses_that_several_quantities_need_are_one_line():
+def test_masses_and_inputs_of_links_name_the_links():
     with refused("m1", "T41_max and shaking_force_max depend on them"):
         sweep_4r(fl.grid(**DESIGN), ["T41_max", "shaking_force_max"])
     with refused("m2", "links=fl.round_bar(density=..., radius=...)"):
         fl.evaluate("planar_4r", ["T41", "F32"], **DESIGN, theta1=1.0)
-
-
-def test_an_input_of_links_names_the_links():
     for line in (
         lambda: sweep_4r(fl.grid(**DESIGN, density=1.0), ["omega4"]),
         lambda: fl.evaluate("planar_4r", ["omega4"], **DESIGN, density=1.0, theta1=1.0),

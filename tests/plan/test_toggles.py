@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
@@ -121,15 +122,8 @@ def swept(lengths, names, **options):
 
 
 def test_integrals_that_do_not_exist_are_not_finite():
-    names = [
-        "omega4_rms",
-        "omega4_mean",
-        "alpha4_rms",
-        "alpha4_mean",
-        "theta4_rms",
-        "theta4_mean",
-        "omega4_fluctuation",
-    ]
+    names = ["omega4_rms", "omega4_mean", "alpha4_rms", "alpha4_mean"]
+    names += ["theta4_rms", "theta4_mean", "omega4_fluctuation"]
     partial, turning = swept(PARTIAL, names), swept(TURNING, names)
     assert partial.omega4_rms == partial.alpha4_rms == np.inf
     assert np.isnan(partial.alpha4_mean)
@@ -141,7 +135,7 @@ def test_integrals_that_do_not_exist_are_not_finite():
         assert partial[name].attrs["verify_mismatches"] == turning[name].attrs["verify_mismatches"] == 0
 
 
-def test_derivatives_by_inputs_that_move_no_toggle_grow_as_their_own_facts():
+def test_derivatives_and_reductions_over_given_angles_grow_as_their_own_facts():
     """Once these means were taken for divergent: their order was that of the derivative by the position."""
     names = ["d_omega4_d_omega1_mean", "d_P_x_d_P_u_rms", "omega4_mean"]
     space = fl.grid(**dict(zip(TABLE_1, PARTIAL, strict=True)), omega1=2.0, P_u=0.5, P_v=0.25)
@@ -149,28 +143,22 @@ def test_derivatives_by_inputs_that_move_no_toggle_grow_as_their_own_facts():
     # omega4 is in proportion to omega1: a division by 2, which is exact
     assert found.d_omega4_d_omega1_mean == found.omega4_mean / 2.0
     assert 0.0 < found.d_P_x_d_P_u_rms <= 1.0
+    angles = np.arange(90) * (2.0 * np.pi / 90)
+    values = swept(PARTIAL, ["omega4"], theta1=angles).omega4.values
+    found = swept(PARTIAL, ["omega4_rms"], theta1=angles)
+    # a rounding for each sum, of 90 positive terms
+    assert_allclose(found.omega4_rms, np.sqrt(np.nanmean(values**2)), rtol=90 * 2.0**-53)
+    same = swept(PARTIAL, ["omega4_rms"], extrema="sampled")
+    assert_array_equal(found.omega4_rms, same.omega4_rms)
 
 
-def test_a_gap_between_two_samples_counts():
+def test_a_gap_between_two_samples_counts_and_what_is_zero_everywhere_has_a_mean():
     """The input misses 2e-3 rad on both sides of pi, where none of 7 samples is."""
     lengths = (1.0, 1.1, 1.1 - 1e-6, 1.2)
     sampled = swept(lengths, ["omega4_rms", "omega4"], theta1=7, extrema="sampled")
     assert np.isfinite(sampled.omega4).all()
     assert np.isfinite(sampled.omega4_rms)
     assert swept(lengths, ["omega4_rms"], theta1=7).omega4_rms == np.inf
-
-
-def test_over_given_angles_reductions_are_of_samples():
-    angles = np.arange(90) * (2.0 * np.pi / 90)
-    values = swept(PARTIAL, ["omega4"], theta1=angles).omega4.values
-    found = swept(PARTIAL, ["omega4_rms"], theta1=angles)
-    # a rounding for each sum, of 90 positive terms
-    np.testing.assert_allclose(found.omega4_rms, np.sqrt(np.nanmean(values**2)), rtol=90 * 2.0**-53)
-    same = swept(PARTIAL, ["omega4_rms"], extrema="sampled")
-    np.testing.assert_array_equal(found.omega4_rms, same.omega4_rms)
-
-
-def test_what_is_zero_everywhere_has_a_mean():
     space = fl.grid(**dict(zip(TABLE_1, PARTIAL, strict=True)), omega1=0.0)
     found = sweep_4r(space, ["omega4_rms", "alpha4_mean"], theta1=90)
     assert np.all(found.omega4_rms == 0.0)

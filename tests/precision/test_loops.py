@@ -1,11 +1,4 @@
-"""Facts and error bounds against the loops themselves, a reference that shares no formula with them.
-
-Facts agree with loops to 50 digits in configurations of all families. Designs from the neighbourhoods of every
-degenerate set have no value beyond its bound and no finite number where there is none; an infinite bound claims
-nothing. And a wrong formula does not escape: a file says that it is wrong.
-"""
-
-from __future__ import annotations
+"""Facts and error bounds against the loops themselves, a reference that shares no formula with them."""
 
 from collections import Counter
 from dataclasses import dataclass, field, replace
@@ -17,13 +10,13 @@ import pytest
 from flint import acb, arb
 from tests.support.neighbourhoods import DRAWN, ULP
 from tests.support.precision import in_every_mode
-from tests.support.registry import ENTRIES
+from tests.support.registry import ENTRIES, every_input
 from tests.support.sweeps import sweep_both
 
 import fastlink as fl
 from fastlink.facts.formula import Formula
 from fastlink.facts.powers import any_beyond_range
-from fastlink.mechanisms import NAMES, catalogue, inputs_of
+from fastlink.mechanisms import catalogue
 from fastlink.plan.request import constants_of, selected_variants
 from fastlink.precision.errors import unit_of
 from fastlink.precision.independent import TOLERANCE, TURNING, IndependentValues, model_of
@@ -31,9 +24,6 @@ from fastlink.precision.reference import CONTEXT, HighPrecision
 
 ENTRY = {str(entry): entry for entry in ENTRIES if entry.solver == "eliminated"}
 CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-
-# -- what the loops confirm
-# ---------------------------------------------------------------------------------------
 
 #: What loops do not give: codes, measures of the loop, centres, inertias and limits of designs. Each is held by a test
 #: of its mechanism.
@@ -49,9 +39,7 @@ SILENT = {
 MEASURES = ("residual", "deviation", "_dot", "_ddot")
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
-)
+@every_input
 def test_every_quantity_has_an_independent_value_but_these(mechanism, drive):
     known = catalogue(mechanism, drive)
     names = IndependentValues(known, tuple(known.public)).names
@@ -102,11 +90,7 @@ def test_facts_and_loops_agree_in_many_configurations(name):
 @pytest.mark.parametrize("n", [60, pytest.param(4000, marks=pytest.mark.stress)])
 @pytest.mark.parametrize(("mechanism", "drive"), DRAWN)
 def test_both_references_have_the_same_numbers(mechanism, drive, n):
-    """Most configurations are next to something degenerate.
-
-    Where the loop does not close the end of the driven bar alone has a place, where links are in line rates have no
-    number: a map whose references differ there has a mismatch in its file.
-    """
+    """Most configurations are next to something degenerate."""
     known = catalogue(mechanism, drive)
     inputs = DRAWN[mechanism, drive](np.random.default_rng(n), n) | {"branch": np.ones(n)}
     variants = known.variants_selected_by(inputs)
@@ -123,9 +107,6 @@ def test_both_references_have_the_same_numbers(mechanism, drive, n):
         counts[any(CONTEXT.isnan(exact[name]) for name in found)] += 1
     assert min(counts[True], counts[False]) > n // 12
 
-
-# -- designs from all that is legal
-# -------------------------------------------------------------------------------
 
 #: Designs of each mechanism, of all its inputs together, in the long form: half an hour of one core each.
 MANY = 1_000_000
@@ -178,10 +159,6 @@ def test_the_last_bits_of_a_near_kite_decide_on_which_side_F_passes_a_pivot(kite
     assert tally.failures == {}
     # of 17 by 17 near kites 17 have one equal pair, whose F may pass the pivot itself: nothing is known there
     assert tally.counts["values"] > 6 * tally.counts["flagged"] > 0
-
-
-# -- what is noticed
-# ----------------------------------------------------------------------------------------------
 
 
 def test_a_value_beyond_its_bound_and_one_where_there_is_none_are_failures():

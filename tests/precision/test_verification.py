@@ -5,10 +5,11 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from tests.support.configurations import PLANAR, masses_and_points
+from numpy.testing import assert_allclose, assert_array_equal
+from tests.support.configurations import PLANAR, masses_and_points, numbers
 from tests.support.precision import in_every_mode, plain, wrong
 from tests.support.registry import ENTRIES
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, CRANK, sweep_4r
 from typer.testing import CliRunner
 
 import fastlink as fl
@@ -23,8 +24,6 @@ from fastlink.precision.stationary import Stationary, side_of, turning_cells
 # What tests/mechanisms/test_precision.py allows of every quantity.
 ROUNDINGS = 4
 LENGTHS = {"a1": (0.2, 1.8), "a2": (0.3, 2.0), "a3": (0.3, 2.0), "a4": (0.3, 2.0)}
-CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-BARS = fl.round_bar(density=7750.0, radius=0.01)
 
 
 def errors(maps):
@@ -93,7 +92,7 @@ def test_the_same_designs_give_the_same_errors_and_bits_do_not_depend_on_them():
     first, second = (sweep_4r(space, ["omega4_max"], verify=10, block=b) for b in (None, 7))
     assert errors(first) == errors(second)
     without = sweep_4r(space, ["omega4_max"])
-    np.testing.assert_array_equal(first.omega4_max, without.omega4_max)
+    assert_array_equal(first.omega4_max, without.omega4_max)
 
 
 def spoil(monkeypatch, change):
@@ -188,7 +187,9 @@ KITE = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
 VANISHING = ["F_y", "B_x", "B_y", "dF_y_dphi", "dpsi_dphi", "omega_angle", "psi"]
 
 
-def test_what_vanishes_is_measured_against_the_lengths_that_made_it():
+def test_vanishing_values_are_measured_against_the_lengths_and_mismatches_where_they_should_vanish(
+    monkeypatch,
+):
     kites = {name: KITE[name] * np.arange(1.0, 33.0) for name in ("m", "n", "d")} | {
         "kappa": np.full(32, 0.5)
     }
@@ -197,9 +198,6 @@ def test_what_vanishes_is_measured_against_the_lengths_that_made_it():
     assert maps.F_y.attrs["error_max_relative"] > 0.0
     for name in VANISHING:  # at most 4 roundings of the value, or of the power of two near the longest bar
         assert maps[name].attrs["error_max_relative"] <= 4 * UNIT_ROUNDING * 8, name
-
-
-def test_a_value_that_should_vanish_and_does_not_is_a_mismatch(monkeypatch):
     spoil(monkeypatch, lambda array: array + 1e-12)
     with pytest.warns(fl.InputWarning, match="F_y"):
         maps = fl.sweep(
@@ -281,7 +279,7 @@ def test_only_true_changes_of_sign_are_cells_with_an_extreme():
     noisy = true.copy()
     noisy[0, 0, 2:9] = rng.choice([-1.0, 0.0, 1.0], 7)
     turning, signs = turning_cells(noisy, np.zeros((1, 2, 19), bool), lambda *at: true[at])
-    np.testing.assert_array_equal(turning, true[..., 1:] != true[..., :-1])
+    assert_array_equal(turning, true[..., 1:] != true[..., :-1])
     assert (signs[turning.nonzero()] == true[turning.nonzero()]).all()
 
 
@@ -310,19 +308,14 @@ def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
         for name in ("T41", "shaking_force"):
             exact = inner(name, designs, branch)[0]
             count = found.sel(branch=branch)[f"{name}_extrema_count"]
-            np.testing.assert_array_equal(count, [len(each) for each in exact])
+            assert_array_equal(count, [len(each) for each in exact])
     listed = found["T41_extrema"].values
     assert (abs(listed[np.isfinite(listed)]) > 1e-3).all()
 
 
 def test_an_end_of_the_range_is_a_limit_to_more_digits_than_doubles_have():
     """B of Hart's linkage with kappa = 1 + 1e-15 is at 1e-30 of the lengths there, and its slope 1e15 times that."""
-    design = {
-        "m": 1.3828348684464724,
-        "n": 1.851684481372127,
-        "d": 4.386786496711176,
-        "kappa": 1.000000000000001,
-    }
+    design = numbers("m=1.3828348684464724 n=1.851684481372127 d=4.386786496711176 kappa=1.000000000000001")
     found = fl.sweep("hart", fl.grid(**design), ["B_y_max", "B_y_max_error"], branch=1)
     columns = {name: np.array([value]) for name, value in design.items()}
     reference = Stationary(catalogue("hart"), "B_y", columns, np.ones(1))
@@ -358,4 +351,4 @@ def test_any_position_has_the_digits_of_others(entry):
     assert not too_far_off
     assert numbers > positions.size * len(names) // 8
     for name in names:  # of products with the least position no digit is left; and pi is -pi
-        np.testing.assert_allclose(abs(least[name]), abs(zero[name]), rtol=0, atol=1e-300, err_msg=name)
+        assert_allclose(abs(least[name]), abs(zero[name]), rtol=0, atol=1e-300, err_msg=name)

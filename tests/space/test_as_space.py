@@ -107,9 +107,17 @@ def test_anything_else_is_refused_with_what_is_possible(source):
         as_space(source)
 
 
-def test_one_array_of_a_map_is_refused_with_the_whole():
+def test_single_arrays_and_labels_that_no_file_can_hold_are_refused():
     with refused("space", "the whole Dataset"):
         as_space(xr.DataArray([1.0], dims="a2"))
+    with refused("name[1]", "letters alone"):
+        as_space({**COLUMNS, "name": ["x", "\0"]})
+    with refused("name[0]", "letters alone"):
+        as_space({**COLUMNS, "name": ["\ud800", "y"]})
+    with refused("grid", "by name"):
+        grid([1.0, 2.0])
+    with refused("grid: a1", "write it once"):
+        grid({"a1": 1.0}, a1=2.0)
 
 
 LABELLED = {
@@ -156,13 +164,6 @@ def test_further_columns_are_kept_on_demand(tmp_path):
         table(frame, keep=[7])
 
 
-def test_labels_that_no_file_can_hold_are_refused():
-    with refused("name[1]", "letters alone"):
-        as_space({**COLUMNS, "name": ["x", "\0"]})
-    with refused("name[0]", "letters alone"):
-        as_space({**COLUMNS, "name": ["\ud800", "y"]})
-
-
 class Quantity(list):
     """A list with a unit, as packages for units have: a conversion to an array drops it."""
 
@@ -203,13 +204,6 @@ def test_axes_of_any_kind(axis):
 def test_what_has_no_order_or_length_is_no_axis(axis):
     with refused("grid: a2", "a flat list of numbers"):
         grid(a2=axis)
-
-
-def test_a_grid_of_something_else():
-    with refused("grid", "by name"):
-        grid([1.0, 2.0])
-    with refused("grid: a1", "write it once"):
-        grid({"a1": 1.0}, a1=2.0)
 
 
 @pytest.mark.parametrize("name", ["", "a 1", "\0", "é", "a/b"])
@@ -273,7 +267,14 @@ def test_consecutive_designs_are_those_of_the_space_in_any_blocks(space, data):
     ]
 
 
-def test_a_part_of_a_part_with_one_more_axis_has_the_numbers_of_the_whole():
+def test_labels_and_numbers_of_parts_are_those_of_the_whole():
+    space = fl.table({"a2": [1.1, 1.2, 1.3], "maker": ["A", "B", "C"], "design": [7, 8, 9]})
+    some = space.consecutive(1, 3)
+    assert_array_equal(some.labels["maker"], ["B", "C"])
+    assert_array_equal(some.labels["design"], [8, 9])
+    crossed = space.with_axis("c", [1.0, 2.0]).consecutive(1, 4)
+    assert_array_equal(crossed.labels["design"], [1, 2, 3])
+    assert_array_equal(crossed.labels["maker"], ["A", "B", "B"])
     crossed = fl.table({"a1": np.arange(10.0)}).consecutive(4, 9).with_axis("c", [1.0, 2.0])
     some = crossed.consecutive(3, 6)
     assert_array_equal(some.labels["design"], [11, 12, 13])  # design 4 of the table is 8 and 9 of the whole
@@ -282,23 +283,13 @@ def test_a_part_of_a_part_with_one_more_axis_has_the_numbers_of_the_whole():
     assert_array_equal(some.columns["c"], [2.0, 1.0, 2.0])
 
 
-def test_labels_come_along():
-    space = fl.table({"a2": [1.1, 1.2, 1.3], "maker": ["A", "B", "C"], "design": [7, 8, 9]})
-    some = space.consecutive(1, 3)
-    assert_array_equal(some.labels["maker"], ["B", "C"])
-    assert_array_equal(some.labels["design"], [8, 9])
-    crossed = space.with_axis("c", [1.0, 2.0]).consecutive(1, 4)
-    assert_array_equal(crossed.labels["design"], [1, 2, 3])
-    assert_array_equal(crossed.labels["maker"], ["A", "B", "B"])
-
-
 @pytest.mark.parametrize(("start", "stop"), [(-1, 2), (3, 4), (1, 1), (0, 4), (0.0, 1)])
 def test_designs_that_are_not_there_are_refused(start, stop):
     with refused("consecutive", "a whole number from"):
         fl.grid(a2=[1.0, 2.0, 3.0]).consecutive(start, stop)
 
 
-def test_a_sweep_of_consecutive_designs_gives_the_bits_of_the_whole():
+def test_sweeps_of_consecutive_designs_give_the_bits_of_the_whole_in_degrees_too():
     space = fl.grid(a2=np.linspace(1.0, 1.4, 7), a3=np.linspace(0.6, 1.0, 11), **FIXED)
     names = ["omega4_max", "transmission_angle_min"]
     maps = sweep_4r(space, names)
@@ -306,9 +297,6 @@ def test_a_sweep_of_consecutive_designs_gives_the_bits_of_the_whole():
     assert part.design.values.tolist() == list(range(20, 60))
     for name in names:
         assert_array_equal(part[name], maps[name].values.reshape(77, 2)[20:60])
-
-
-def test_angles_in_degrees_are_converted_block_by_block():
     degrees = np.linspace(10.0, 80.0, 6)
     space = fl.grid(a2=[1.1, 1.2], a3=0.8, counterweight1_direction_deg=degrees, **FIXED)
     whole_map = sweep_4r(space, ["transmission_angle_min"])
@@ -413,16 +401,13 @@ def test_a_grid_prints_its_axes_and_its_memory():
     assert "<td>1.4</td>" in page
 
 
-def test_no_list_of_a_sample_is_made_to_print_it():
-    space = fl.sobol(10**10, a1=(0.1, 0.5), a2=(1.0, 2.0), a3=1.0, a4=1.0)
-    assert "10,000,000,000 designs" in repr(space)
-    assert "computed" in space._repr_html_()
-
-
-def test_one_design_and_a_table():
+def test_samples_tables_and_single_designs_print_themselves():
     assert repr(fl.grid(a1=0.4, a2=1.0, a3=1.0, a4=1.0)).startswith("grid of 1 design, 0 B in memory, 32 B")
     table = fl.table({"a1": [0.4, 0.5], "a2": [1.0, 1.1], "a3": 1.0, "a4": 1.0})
     assert "table of 2 designs" in repr(table)
+    space = fl.sobol(10**10, a1=(0.1, 0.5), a2=(1.0, 2.0), a3=1.0, a4=1.0)
+    assert "10,000,000,000 designs" in repr(space)
+    assert "computed" in space._repr_html_()
 
 
 def test_an_explanation_shows_first_what_a_run_needs(tmp_path):

@@ -62,11 +62,16 @@ def test_a_grid_of_a_thousand_million_designs_costs_its_axes():
     assert peak < 2**20
 
 
-def test_one_design_has_no_dimensions():
+def test_one_design_has_no_dimensions_and_constants_add_only_what_is_missing():
     designs = grid(a1=0.4, a2=np.float64(1.2), a3=np.array(0.8), a4=Fraction(1, 2))
     assert (designs.dims, designs.shape, designs.size) == ((), (), 1)
     assert designs.constants == {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 0.5}
     assert_array_equal(filled(designs, ["a4", "a1"], 0, 1), [[0.5], [0.4]])
+    designs = grid(a1=0.4, a2=[1.0, 2.0]).with_constants({"a1": 9.0, "a2": 9.0, "omega1": 1})
+    assert designs.constants == {"a1": 0.4, "omega1": 1.0}
+    assert_array_equal(designs.axes["a2"], [1.0, 2.0])
+    with refused("constants: m1", "a finite number"):
+        designs.with_constants({"m1": np.inf})
 
 
 def test_a_space_keeps_its_values_whatever_the_caller_does():
@@ -78,19 +83,14 @@ def test_a_space_keeps_its_values_whatever_the_caller_does():
         designs.values("a2")[0] = 9.0
 
 
-def test_with_constants_adds_only_what_is_missing():
-    designs = grid(a1=0.4, a2=[1.0, 2.0]).with_constants({"a1": 9.0, "a2": 9.0, "omega1": 1})
-    assert designs.constants == {"a1": 0.4, "omega1": 1.0}
-    assert_array_equal(designs.axes["a2"], [1.0, 2.0])
-    with refused("constants: m1", "a finite number"):
-        designs.with_constants({"m1": np.inf})
-
-
-def test_an_input_without_a_value_is_named_with_the_nearest():
+def test_lacking_inputs_and_more_designs_than_can_be_numbered_are_refused():
     with refused("'omega_1'", "did you mean 'omega1'?"):
         grid(omega1=1.0).values("omega_1")
     with refused("'omega_1'", "did you mean 'omega1'?"):
         filled(grid(omega1=1.0), ["omega_1"], 0, 1)
+    axis = np.arange(2.0**16)
+    with refused("1.84e+19 designs", "a: 65536, b: 65536, c: 65536, d: 65536"):
+        grid(a=axis, b=axis, c=axis, d=axis)
 
 
 @pytest.mark.parametrize(("start", "stop"), [(-1, 1), (0, 3), (2, 1)])
@@ -116,13 +116,7 @@ def test_a_bad_axis_is_refused_in_one_line(values, key, remedy):
         grid(a1=0.4, a2=values)
 
 
-def test_more_designs_than_can_be_numbered_are_refused():
-    axis = np.arange(2.0**16)
-    with refused("1.84e+19 designs", "a: 65536, b: 65536, c: 65536, d: 65536"):
-        grid(a=axis, b=axis, c=axis, d=axis)
-
-
-def test_sobol_gives_the_first_points_of_scipys_sequence():
+def test_sobol_gives_scipys_first_points_and_notices_another_way(monkeypatch):
     n = 1000
     designs = sobol(n, seed=3, a1=(0.2, 0.4), a4=1.0, a2=(-1.0, 1.0))
     assert (designs.dims, designs.shape) == (("design",), (n,))
@@ -130,6 +124,14 @@ def test_sobol_gives_the_first_points_of_scipys_sequence():
     assert_array_equal(designs.columns["a1"], 0.2 + points[:, 0] * (0.4 - 0.2))
     assert_array_equal(designs.columns["a2"], -1.0 + points[:, 1] * 2.0)
     assert designs.constants == {"a4": 1.0}
+
+    class Changed(qmc.Sobol):
+        def random(self, n=1, workers=1):
+            return 1.0 - super().random(n)
+
+    monkeypatch.setattr(qmc, "Sobol", Changed)
+    with pytest.raises(RuntimeError, match="another way"):
+        fl.sobol(8, a1=UNIT)
 
 
 @pytest.mark.parametrize("sample", [sobol, latin_hypercube])
@@ -203,17 +205,14 @@ def test_a_tuple_that_is_rather_a_range_gets_a_remark():
 UNIT = (0.0, 1.0)
 
 
-def scipys(dimensions, seed, bits, count):
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of a number that is no power of two
-        return qmc.Sobol(dimensions, rng=np.random.default_rng(seed), bits=bits).random(count)
-
-
 @settings(max_examples=25, deadline=None)
 @given(st.integers(1, 9), st.integers(0, 2**63 - 1), st.sampled_from([2**30, 2**31]), st.data())
 def test_any_block_of_the_sequence_has_scipys_bits(dimensions, seed, n, data):
     axes = sobol_axes(n, seed, [UNIT] * dimensions)
-    points = scipys(dimensions, seed, 30 if n == 2**30 else 53, 20_000)
+    engine = qmc.Sobol(dimensions, rng=np.random.default_rng(seed), bits=30 if n == 2**30 else 53)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a number that is no power of two
+        points = engine.random(20_000)
     for _ in range(5):
         start = data.draw(st.integers(0, 20_000))
         stop = data.draw(st.integers(start, 20_000))
@@ -230,16 +229,6 @@ def test_the_farthest_points_are_those_of_the_gray_code():
                 for bit in range(53):
                     point ^= int(engine._sv[k, bit]) if gray >> bit & 1 else 0
                 assert Fraction(axis[number]) == Fraction(point, 2**53)
-
-
-def test_another_way_of_scipy_is_noticed(monkeypatch):
-    class Changed(qmc.Sobol):
-        def random(self, n=1, workers=1):
-            return 1.0 - super().random(n)
-
-    monkeypatch.setattr(qmc, "Sobol", Changed)
-    with pytest.raises(RuntimeError, match="another way"):
-        fl.sobol(8, a1=UNIT)
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2**63 - 1])

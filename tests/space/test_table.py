@@ -76,7 +76,7 @@ def test_a_csv_file(tmp_path, text, kind):
     assert designs.attrs == {"design_kind": "table", "design_source": "designs.csv"}
 
 
-def test_invalid_designs_are_kept_when_allowed(tmp_path):
+def test_invalid_designs_are_kept_when_allowed_but_no_text(tmp_path):
     path = tmp_path / "designs.csv"
     path.write_text("a1,a2\n0.4,\nnan,1.5\n-inf,1.0\n")
     expected = {"a1": [0.4, np.nan, -np.inf], "a2": [np.nan, 1.5, 1.0]}
@@ -84,6 +84,10 @@ def test_invalid_designs_are_kept_when_allowed(tmp_path):
         designs = table(source, allow_invalid=True)
         for name, values in expected.items():
             assert_array_equal(designs.columns[name], values)
+    path = tmp_path / "d.csv"
+    path.write_text("a1\nfour\n")
+    with refused("'four'"):
+        table(path, allow_invalid=True)
 
 
 KEEP = "a finite number, or pass allow_invalid=True to keep such designs"
@@ -152,13 +156,6 @@ def test_a_bad_csv_file_is_refused_in_one_line(tmp_path, text, key, remedy):
     path.write_text(text, encoding="utf-8")
     with refused(key, remedy):
         table(path)
-
-
-def test_text_is_refused_even_where_invalid_designs_are_allowed(tmp_path):
-    path = tmp_path / "d.csv"
-    path.write_text("a1\nfour\n")
-    with refused("'four'"):
-        table(path, allow_invalid=True)
 
 
 def test_files_that_cannot_be_read(tmp_path):
@@ -319,13 +316,17 @@ def test_what_a_parquet_file_cannot_hold_is_refused(tmp_path, monkeypatch, large
     assert_refusal(caught.value, key.split()[-1] if "row" in key else key.split(" is ")[0].strip("'"))
 
 
-def test_other_bytes_are_refused(tmp_path):
+def test_other_bytes_are_refused_and_an_absent_pyarrow_is_named(tmp_path, monkeypatch):
     path = tmp_path / "designs.parquet"
     path.write_bytes(b"PAR1" + b"nothing" * 10)
     with refused("cannot be read as Parquet"):
         fl.table(path)
     with refused("none.parquet", "the path of a Parquet file"):
         fl.table(tmp_path / "none.parquet")
+    FRAME.to_parquet(tmp_path / "d.parquet")
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    with refused("pyarrow", "python -m pip install pyarrow"):
+        fl.table(tmp_path / "d.parquet")
 
 
 def test_invalid_numbers_are_kept_when_told(tmp_path, every_file_is_large):
@@ -342,13 +343,6 @@ def test_a_file_that_changes_is_noticed(tmp_path, every_file_is_large, kind):
     WRITERS[kind](FRAME[:40], tmp_path / "d")
     with refused("changed since it was read", "until the sweep has ended"):
         space.columns["a2"].piece(0, 5)
-
-
-def test_an_absent_pyarrow_is_named(tmp_path, monkeypatch):
-    FRAME.to_parquet(tmp_path / "d.parquet")
-    monkeypatch.setitem(sys.modules, "pyarrow", None)
-    with refused("pyarrow", "python -m pip install pyarrow"):
-        fl.table(tmp_path / "d.parquet")
 
 
 def test_a_study_takes_a_parquet_file(tmp_path, monkeypatch):

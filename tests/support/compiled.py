@@ -3,6 +3,7 @@
 import ast
 
 import numpy as np
+from numpy.testing import assert_array_equal
 
 from fastlink.codegen.kernel import BACKENDS, llvm_text, load_kernel
 from fastlink.codegen.runtime.cells import MOST_LANES
@@ -60,7 +61,7 @@ class Compiled:
 def assert_same_bits(found, expected):
     """Compare arrays bit by bit; the sign and the payload of a NaN are not part of a result."""
     for one, other in zip(found, expected, strict=True):
-        np.testing.assert_array_equal(one, other)  # NaN equals NaN here, and 0 equals -0
+        assert_array_equal(one, other)  # NaN equals NaN here, and 0 equals -0
         if one.dtype == np.float64:
             known = ~np.isnan(one)
-            np.testing.assert_array_equal(np.signbit(one[known]), np.signbit(other[known]))
+            assert_array_equal(np.signbit(one[known]), np.signbit(other[known]))

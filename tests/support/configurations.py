@@ -1,4 +1,4 @@
-"""Random configurations of the planar 4R, easy and hard, and their reference with 50 digits."""
+"""Random configurations and coupler curves of the planar 4R, and their reference with 50 digits."""
 
 from __future__ import annotations
 
@@ -25,6 +25,12 @@ LOADS = tuple(
     for name, inputs in PLANAR.variant_inputs.items()
     if name != ARC and any(declared.default is not None for declared in inputs.values())
 )
+
+
+def numbers(text: str) -> dict[str, float]:
+    """Return a design that is written as on the command line: NAME=VALUE, one after the other."""
+    words = (word.partition("=") for word in text.split())
+    return {name: float(value) for name, _, value in words}
 
 
 def draw(declared: Mapping[str, Input], rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
@@ -103,10 +109,7 @@ def designs(kind: str, rng: np.random.Generator, n: int) -> np.ndarray:
 
 
 def reference(
-    names: list[str],
-    inputs: dict[str, Any],
-    variants: tuple[str, ...] = (),
-    catalogue: Catalogue = PLANAR,
+    names: list[str], inputs: dict[str, Any], variants: tuple[str, ...] = (), catalogue: Catalogue = PLANAR
 ) -> dict[str, Any]:
     """Return the facts of one configuration with 50 digits."""
     found = HighPrecision(catalogue, names, inputs, variants).at(inputs)
@@ -114,10 +117,7 @@ def reference(
 
 
 def condition_sums(
-    names: list[str],
-    inputs: dict[str, Any],
-    variants: tuple[str, ...] = (),
-    catalogue: Catalogue = PLANAR,
+    names: list[str], inputs: dict[str, Any], variants: tuple[str, ...] = (), catalogue: Catalogue = PLANAR
 ) -> dict[str, Any]:
     """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
     facts = HighPrecision(catalogue, names, inputs, variants)
@@ -135,3 +135,41 @@ def under_loads(seed: int, loads: Sequence[str]) -> dict[str, float]:
         one |= {"theta1": rng.uniform(-np.pi, np.pi), "branch": int(rng.integers(1, 3))}
         if fl.evaluate("planar_4r", ["transmission_angle"], **one)["transmission_angle"] > 0.2:
             return one
+
+
+CURVE = (*LENGTHS, "P_u", "P_v")
+
+
+def design_of(*numbers: Any) -> dict[str, Any]:
+    """Return lengths, and a coupler point if it is given, by their names."""
+    return dict(zip(CURVE, numbers, strict=False))
+
+
+def random_designs(seed: int, n: int) -> tuple[dict[str, Any], Any]:
+    """Lengths of all classes and coupler points anywhere, and input angles."""
+    rng = np.random.default_rng(seed)
+    inputs = dict(zip(LENGTHS, random_lengths(rng, n), strict=True))
+    inputs |= {name: rng.uniform(-2.0, 2.0, n) for name in ("P_u", "P_v")}
+    return inputs, rng.uniform(-np.pi, np.pi, n)
+
+
+def evaluate(names: list[str], inputs: dict[str, Any], theta: Any, branch: Any) -> dict[str, Any]:
+    return fl.evaluate("planar_4r", names, branch=branch, theta1=theta, allow_invalid=True, **inputs)
+
+
+def traced(one: dict[str, Any], branch: int, theta: Any) -> Any:
+    """Coupler points as complex numbers by the law of cosines; on AD where the linkage does not assemble."""
+    a, b, c, d, u, v = (one[name] for name in CURVE)
+    A = a * np.exp(1j * theta)
+    AD = d - A
+    square = np.abs(AD) ** 2
+    along = (b * b - c * c + square) / (2 * square)
+    across = (2 * branch - 3) * np.sqrt(np.maximum(b * b / square - along**2, 0.0))
+    return A + (u + 1j * v) / b * AD * (along + 1j * across)
+
+
+def apart_from_change_points(lengths: Any, gap: float = 0.1) -> Any:
+    """Which of the lengths (4, n) are farther than `gap` from a change point and from a single configuration."""
+    a, b, c, d = lengths
+    gaps = [a - b + c - d, a + b - c - d, a - b - c + d, a + b + c - d, a + b - c + d, a - b + c + d]
+    return np.min(np.abs([*gaps, -a + b + c + d]), axis=0) > gap

@@ -69,9 +69,6 @@ def searched(entry: Entry, designs: dict[str, np.ndarray]) -> list[str]:
     return [name for name in names if search_of(entry, name, designs) and not catalogue.public[name].flags]
 
 
-# -- values and bounds ----------------------------------------------------------------------------------------------
-
-
 @dataclass(frozen=True)
 class Bounded:
     """One extreme: which it is, its value with the error bound, the exact value."""
@@ -179,8 +176,6 @@ def assert_none_beyond(
     assert seen
     return {name: maps[name].values for name in ends}
 
-
-# -- derivatives by inputs -------------------------------------------------------------------------------------------
 
 #: Of an input, by which it is moved for a difference, and twice that: the powers of both beyond the second are left.
 #: With 50 digits nothing is lost to cancellation; a step of 2**-12 was off by 3e-7 for one least force.

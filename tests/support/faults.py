@@ -25,17 +25,8 @@ from fastlink.io import partial_file
 #: Seconds after which a run is taken for one that hangs.
 PATIENCE = 60
 #: The faults by the library's numbers: those of errors are their own.
-FAULTS = {
-    "kill": 0,
-    "kill after it": -2,
-    "interrupt": -1,
-    "SIGTERM": -5,
-    "half of it": -3,
-    "full disk": -4,
-    "EIO": errno.EIO,
-    "ENOSPC": errno.ENOSPC,
-    "EINTR": errno.EINTR,
-}
+FAULTS = {"kill": 0, "kill after it": -2, "interrupt": -1, "SIGTERM": -5, "half of it": -3}
+FAULTS |= {"full disk": -4, "EIO": errno.EIO, "ENOSPC": errno.ENOSPC, "EINTR": errno.EINTR}
 #: How a run may end after a fault; it ends with 0 where the call was none that matters, or is done again.
 CODES = {
     "kill": (-signal.SIGKILL, 0),
@@ -71,14 +62,7 @@ class Outcome(NamedTuple):
 
 
 class Trials:
-    """Runs in a process of their own, each with a fault; a context manager.
-
-    Parameters
-    ----------
-    run : str
-        ``module:function`` of what is run; the function takes the path of the file to make and options, and is called
-        once beforehand without a file, to load what it needs.
-    """
+    """Runs in a process of their own, each with a fault; a context manager."""
 
     def __init__(self, run: str) -> None:
         command = [sys.executable, "-m", "tests.support.faults", run]

@@ -1,10 +1,4 @@
-"""Designs and positions drawn from all that is legal, most of them next to some degenerate set.
-
-Every drawing is a mixture: ordinary numbers, integers (which tie exactly), links of very different lengths, equal
-links, sums of links that nearly vanish (change points), and of each all distances down to the last bit. Positions are
-ordinary ones, multiples of a quarter turn, toggles, very small and very great ones, with all distances too. Between 0
-and 1e-60 angles have powers that underflow, see "Not guaranteed" in docs/accuracy.md.
-"""
+"""Designs and positions drawn from all that is legal, most of them next to some degenerate set."""
 
 import numpy as np
 
@@ -134,8 +128,6 @@ def four_bar_toggles(crank, coupler, output, ground):
     with np.errstate(invalid="ignore"):
         return tuple(arccosine((squares - (coupler + s * output) ** 2) / twice) for s in (-1.0, 1.0))
 
-
-# -- by mechanism --------------------------------------------------------------------------------------------------
 
 LOADS = {
     "gravity": ("gravity_x", "gravity_y"),

@@ -1,8 +1,4 @@
-"""Where every mechanism is tested: its inputs, its families of configurations, and how exact it must be there.
-
-What holds for every quantity of every mechanism (tests/mechanisms/test_precision.py) is tested for the `ENTRIES`
-here. A new mechanism needs one entry for each of its inputs; without them a test fails.
-"""
+"""Where every mechanism is tested: its inputs, its families of configurations, and how exact it must be there."""
 
 from __future__ import annotations
 
@@ -12,15 +8,12 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+import pytest
 
 from fastlink.facts.catalogue import Catalogue
-from fastlink.mechanisms import catalogue
+from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.numerics.compensated import UNIT_ROUNDING
-from tests.support import (
-    configurations,
-    focal_configurations,
-    hart_configurations,
-)
+from tests.support import configurations, focal_configurations, hart_configurations
 
 #: Draw some configurations, or fewer: the inputs, the input position and the modes (``branch`` and inputs with choices)
 #: by name. Of modes that are left out all are tested, without a position what belongs to a design alone.
@@ -105,8 +98,6 @@ def anywhere(mechanism: str, input: str, most: float = np.pi) -> dict[str, Famil
     return {"random": draw}
 
 
-# -- planar 4R --------------------------------------------------------------------------------------------------
-
 #: Terms of at most 1, each right to some ten roundings times the amplification of the lengths and the angle.
 CLOSURE = {
     name: 64 * UNIT_ROUNDING
@@ -163,9 +154,6 @@ PLANAR_4R = (
 )
 
 
-# -- Minkowskian 4R ---------------------------------------------------------------------------------------------
-
-
 #: 1 + w, w being right to 6 units of 2^-53: two sums, two quotients, two products.
 COSINES = dict.fromkeys(
     ("cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max", "cosh_theta_branching"), 7.0
@@ -185,8 +173,6 @@ MINKOWSKI_4R = (
     ),
 )
 
-
-# -- focal mechanism --------------------------------------------------------------------------------------------
 
 CIRCLES_OF_FOCAL = tuple(
     f"{points}_{of}" for points in ("PFQX", "SFTY", "PSQT") for of in ("x", "y", "radius")
@@ -228,8 +214,6 @@ FOCAL = (
 )
 
 
-# -- Hart's linkage ---------------------------------------------------------------------------------------------
-
 HART = (
     # 3.7 is the worst seen in 10^4 configurations.
     Entry(
@@ -261,8 +245,6 @@ HART = (
 )
 
 
-# -- slider-crank -----------------------------------------------------------------------------------------------
-
 SLIDER_CRANK = (
     # 3.2 is the worst seen in 10^4 configurations, but for the forces at A across the line.
     Entry(
@@ -279,3 +261,7 @@ SLIDER_CRANK = (
 )
 
 ENTRIES = (*PLANAR_4R, *MINKOWSKI_4R, *FOCAL, *HART, *SLIDER_CRANK)
+#: A test of every mechanism by each of its inputs.
+every_input = pytest.mark.parametrize(
+    ("mechanism", "drive"), [(name, drive) for name in NAMES for drive in inputs_of(name)]
+)

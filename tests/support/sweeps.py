@@ -14,3 +14,8 @@ def sweep_both(mechanism: Any, space: Any, quantities: Any, **options: Any) -> A
 
 
 sweep_4r = partial(sweep_both, "planar_4r")
+
+#: The links, the lengths and the speed that most tests have.
+BARS = fl.round_bar(density=7750.0, radius=0.01)
+CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
+TURNING = CRANK | {"omega1": 25.0}

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 import fastlink as fl
 from fastlink.synthesis import paths
@@ -56,7 +57,7 @@ def test_more_poses_are_met_by_the_slider_crank_that_made_them(count):
     found = fl.synthesise("slider_crank", motion=wanted, rotation_length=1.0, top=1, bounds=near)
     assert float(found.pose_error[0]) < 1e-13
     if count > 4:
-        np.testing.assert_allclose([found[name].item() for name in KNOWN], [*KNOWN.values()], atol=1e-11)
+        assert_allclose([found[name].item() for name in KNOWN], [*KNOWN.values()], atol=1e-11)
         assert complex(found.P_u.item(), found.P_v.item()) == pytest.approx(POINT, abs=1e-11)
         assert float(found.body_angle[0]) == pytest.approx(BODY, abs=1e-11)
 
@@ -79,20 +80,20 @@ def test_precision_points_are_met_by_the_closed_form(points):
     ask = {"over": (1, 2), "turn_deg": 90, "travel": 0.05, "precision_points": points, "top": 2}
     found = fl.synthesise("slider_crank", function=np.log10, **ask)
     x = 1.5 - 0.5 * np.cos((2 * np.arange(points) + 1) * np.pi / (2 * points))
-    np.testing.assert_allclose(found.x, x, rtol=1e-14)
+    assert_allclose(found.x, x, rtol=1e-14)
     assert (
         float(np.abs(found.output_error).max()) < 1e-9 * 0.05
     )  # Newton's steps end below 1e-9 of the travel
     assert (found.structural_error > 1e-9).all()
     some = np.linspace(0, points - 1, 3).astype(int)
     place, angle = found.slider_position.values[0][some], found.theta.values[0][some]
-    np.testing.assert_allclose(np.diff(place), np.diff(np.log10(x[some])) / np.log10(2) * 0.05, atol=1e-12)
+    assert_allclose(np.diff(place), np.diff(np.log10(x[some])) / np.log10(2) * 0.05, atol=1e-12)
     rows = np.stack([place * np.cos(angle), np.sin(angle), np.ones(3)], axis=1)
     k = np.linalg.solve(rows, place**2)
     r, e = k[0] / 2, k[1] / k[0]
     condition = np.linalg.cond(rows / np.linalg.norm(rows, axis=0))
     lengths = [found[name].item(0) for name in ("r", "l", "e")]
-    np.testing.assert_allclose([r, np.sqrt(k[2] + r**2 + e**2), e], lengths, rtol=1e-8 * condition)
+    assert_allclose([r, np.sqrt(k[2] + r**2 + e**2), e], lengths, rtol=1e-8 * condition)
 
 
 def test_the_greatest_error_of_a_slider_equioscillates():
@@ -133,8 +134,8 @@ def test_timed_points_are_passed(monkeypatch):
     assert (
         np.abs(drawn(found)[0] - z).max() < 1e-11
     )  # the squares end at 1e-31 of the size, times their condition
-    np.testing.assert_allclose(np.diff(found.theta[0]), np.diff(theta), atol=1e-14)
-    np.testing.assert_allclose([found[name].item() for name in KNOWN], [*KNOWN.values()], atol=1e-9)
+    assert_allclose(np.diff(found.theta[0]), np.diff(theta), atol=1e-14)
+    assert_allclose([found[name].item() for name in KNOWN], [*KNOWN.values()], atol=1e-9)
 
 
 @pytest.mark.stress
@@ -150,9 +151,7 @@ def test_random_closed_paths(seed):
     found = fl.synthesise("slider_crank", path=np.c_[z.real, z.imag], closed=True, top=1)
     assert np.abs(drawn(found)[0] - z).max() < 1e-9
     assert found.defect.item() == 0
-    np.testing.assert_allclose(
-        [found.l.item(), abs(found.e.item())], [design["l"], abs(design["e"])], atol=1e-7
-    )
+    assert_allclose([found.l.item(), abs(found.e.item())], [design["l"], abs(design["e"])], atol=1e-7)
 
 
 def one(theta, lengths, side=-1.0):
@@ -186,8 +185,8 @@ def test_the_cognate_draws_the_same_curve():
     two = cognates_of(found)
     assert two.more["cognate"].tolist() == [1, 2]
     assert two.numbers[1, 0] == pytest.approx(abs(0.5 + 0.5j), rel=1e-14)
-    np.testing.assert_allclose(two.pins()[-1], np.repeat(found.pins()[-1], 2, axis=0), atol=1e-13)
-    np.testing.assert_allclose(np.abs(np.diff(two.pins()[3] - two.pins()[2])).max(), 0, atol=9)
+    assert_allclose(two.pins()[-1], np.repeat(found.pins()[-1], 2, axis=0), atol=1e-13)
+    assert_allclose(np.abs(np.diff(two.pins()[3] - two.pins()[2])).max(), 0, atol=9)
 
 
 def test_an_orientation_that_is_asked_for_is_kept():

@@ -1,10 +1,10 @@
 """Greatest and least values of what chooses, takes sizes or magnitudes: none of dense samples is beyond them."""
 
-from math import tan
-
 import numpy as np
 import pytest
-from tests.support.sweeps import sweep_4r, sweep_both
+from numpy.testing import assert_allclose, assert_equal
+from tests.support.sweeps import BARS, sweep_4r, sweep_both
+from tests.support.toys import declare_all
 
 import fastlink as fl
 from fastlink.facts.expression import GraphAsWritten, beneath, generate_formula, winding
@@ -15,16 +15,18 @@ from fastlink.numerics.vectors import absolute, choice
 
 FUNCTIONS = (absolute, choice)
 mine = fl.extend("planar_4r")
-
-
-@mine.quantity(units="N")
-def lesser(F21, F41):
-    return min(F21, F41)
-
-
-@mine.quantity(units="N")
-def apart(F21, F41):
-    return abs(F21 - 2 * F41)
+declare_all(
+    mine,
+    {
+        "lesser(F21, F41)": ("N", "min(F21, F41)"),
+        "apart(F21, F41)": ("N", "abs(F21 - 2 * F41)"),
+        "drag(omega2, omega4)": ("rad2 s-2", "1e6 * omega4 * abs(omega4) - omega2 * abs(omega2)"),
+        "lower(omega2, omega4)": ("rad s-1", "min(omega2, 1e3 * abs(omega4))"),
+        # two kinks in one place
+        "wide(omega2, omega4)": ("rad s-1", "max(omega2, omega4) - min(omega4, omega2)"),
+        "joint(F32_x, F32_y, F21)": ("N", "np.hypot(F32_x, F32_y) + F21"),
+    },
+)
 
 
 @mine.quantity(units="N")
@@ -33,19 +35,22 @@ def nested(lesser, F32_x, F32_y):
     return max(lesser, size / 2) - min(size, lesser)
 
 
-@mine.quantity(units="N")
-def joint(F32_x, F32_y, F21):
-    return np.hypot(F32_x, F32_y) + F21
-
-
-BARS = fl.round_bar(density=7750.0, radius=0.01)
 NAMES = [f"{name}_{how}" for name in ("lesser", "apart", "nested") for how in ("min", "max")]
 #: The forces on the crank almost vanish close to where they are equal: both kinks and two extremes in one cell.
 #: At the second both turn sharply near theta1 = 0.03, where their difference has three extremes within 0.015 rad.
 KNOWN = {"a1": [0.25050164, 0.499595358], "a2": [1.25901682, 0.969889661], "a3": [0.51193397, 1.085353234]}
 
 
-def check(names, count, samples, bounds=True):
+@pytest.mark.parametrize(
+    ("names", "count", "samples", "bounds"),
+    [
+        ([*NAMES[:2], "apart_min"], 12, 8001, False),
+        # its slope is multiplied by it, and neither the slope nor the quantity is computed from it by its name
+        pytest.param(["joint_min", "joint_max"], 4, 2001, True, marks=pytest.mark.stress),
+        pytest.param(NAMES, 1000, 8001, True, marks=pytest.mark.stress),
+    ],
+)
+def test_none_of_dense_samples_is_beyond_an_extreme(names, count, samples, bounds):
     space = fl.sobol(count, {"a1": (0.1, 0.5), "a2": (0.8, 1.3), "a3": (0.5, 1.2)}, seed=7)
     columns = {name: np.append(values, KNOWN[name]) for name, values in space.at(np.arange(count)).items()}
     designs = fl.table(columns).with_constants({"a4": 1.0, "omega1": 25.0})
@@ -64,31 +69,6 @@ def check(names, count, samples, bounds=True):
         off = 2.0 * maps[f"{name}_error"] if bounds else 1e-10 * abs(curves[quantity]).max("theta1")
         beyond = best - sign * maps[name] - off
         assert not (beyond > 0.0).any(), (name, np.argwhere((beyond > 0.0).values))
-
-
-def test_none_of_dense_samples_is_beyond_an_extreme():
-    check([*NAMES[:2], "apart_min"], 12, 8001, bounds=False)
-
-
-@pytest.mark.stress
-def test_a_magnitude_that_nothing_else_computes_is_searched():
-    """Its slope is multiplied by it, and neither the slope nor the quantity is computed from it by its name."""
-    check(["joint_min", "joint_max"], 4, 2001)
-
-
-@mine.quantity(units="rad2 s-2")
-def drag(omega2, omega4):
-    return 1e6 * omega4 * abs(omega4) - omega2 * abs(omega2)
-
-
-@mine.quantity(units="rad s-1")
-def lower(omega2, omega4):
-    return min(omega2, 1e3 * abs(omega4))
-
-
-@mine.quantity(units="rad s-1")
-def wide(omega2, omega4):
-    return max(omega2, omega4) - min(omega4, omega2)  # two kinks in one place
 
 
 @pytest.mark.sample(1)
@@ -110,11 +90,6 @@ def test_lists_hold_the_extremes_beside_kinks(name):
         rises = np.sign(np.diff(values, append=values[0]))
         rises = rises[rises != 0.0]
         assert maps[f"{name}_extrema_count"][k] == (rises != np.roll(rises, 1)).sum(), k
-
-
-@pytest.mark.stress
-def test_none_of_many_is_beyond_an_extreme():
-    check(NAMES, 1000, 8001)
 
 
 def values_of(parameters, *lines, kinked=()):
@@ -146,51 +121,27 @@ def test_a_text_is_split_at_its_kinks():
 planar = fl.extend("planar_4r")
 slider = fl.extend("slider_crank")
 hart = fl.extend("hart")
-
-
-@planar.quantity(units="rad")
-def turned_by(theta4, theta2):
-    return theta4 - 2 * theta2
-
-
-@planar.quantity(units="1")
-def of_half(theta2):
-    return np.sin(theta2 / 2)
-
-
-@planar.quantity(units="m")
-def unrolled(theta4, a3, theta1):
-    return a3 * theta4 * np.cos(theta1)
-
-
-@planar.quantity(units="rad")
-def larger(theta4, turned_by):
-    return max(theta4, 0.3 * turned_by)
-
-
-@planar.quantity(units="N")
-def lowest(F21_y, F43_y):
-    return min(F21_y, F43_y)
-
-
-@planar.quantity(units="rad")
-def ahead(theta4, theta1):
-    return theta4 - theta1
-
-
-@planar.quantity(units="1")
-def periodic(theta4, theta1):
-    return np.cos(theta4 - 2 * theta1)
-
-
-@slider.quantity(units="rad")
-def twice(theta2):
-    return 2 * theta2 + 0.1
-
-
-@hart.quantity(units="rad")
-def shifted(psi):
-    return 0.5 - psi / 3
+declare_all(
+    planar,
+    {
+        "turned_by(theta4, theta2)": ("rad", "theta4 - 2 * theta2"),
+        "of_half(theta2)": ("1", "np.sin(theta2 / 2)"),
+        "unrolled(theta4, a3, theta1)": ("m", "a3 * theta4 * np.cos(theta1)"),
+        "larger(theta4, turned_by)": ("rad", "max(theta4, 0.3 * turned_by)"),
+        "lowest(F21_y, F43_y)": ("N", "min(F21_y, F43_y)"),
+        "ahead(theta4, theta1)": ("rad", "theta4 - theta1"),
+        "periodic(theta4, theta1)": ("1", "np.cos(theta4 - 2 * theta1)"),
+        "torque_ratio(omega1, omega4)": ("1", "omega1 / omega4"),
+        "even(omega4)": ("s2", "1.0 / (omega4 * omega4)"),
+        "slope_of_output(theta4)": ("1", "math.tan(theta4)"),
+        "over_height(A_y)": ("m-1", "1.0 / A_y"),
+        "with_limit(A_y, omega4)": ("rad s-1", "A_y * omega4 / A_y"),
+        "within(torque_ratio)": ("1", "1.0 + torque_ratio"),
+        "undone(omega1, torque_ratio)": ("rad s-1", "omega1 / torque_ratio"),
+    },
+)
+declare_all(slider, {"twice(theta2)": ("rad", "2 * theta2 + 0.1")})
+declare_all(hart, {"shifted(psi)": ("rad", "0.5 - psi / 3")})
 
 
 RANGES = {"a1": (0.2, 2.5), "a2": (0.5, 2.5), "a3": (0.5, 2.5), "a4": (0.3, 1.5)}
@@ -241,14 +192,8 @@ def test_the_greater_of_values_that_change_sign_is_not_mirrored():
 
 def test_sides_of_jumps_are_verified_with_50_digits():
     design = {"a1": 2.0, "a2": 2.5, "a3": 2.2, "a4": 0.8, "omega1": 1.0}
-    names = [
-        "turned_by_max",
-        "of_half_min",
-        "unrolled_max",
-        "unrolled_extrema",
-        "larger_max",
-        "larger_min_error",
-    ]
+    names = ["turned_by_max", "of_half_min", "unrolled_max"]
+    names += ["unrolled_extrema", "larger_max", "larger_min_error"]
     maps = sweep_both(planar, design, names, verify=2)
     assert maps.attrs["verify_mismatches"] == 0
     for name in names[:5]:
@@ -288,45 +233,10 @@ def test_turns_of_what_is_made_of_angles(text, turns):
     graph = GraphAsWritten((sine, cosine))
     root = graph.read(Formula("f", ("x", "y", "z"), [f"return {text}"]), [*map(graph.name, "xyz")])
     found = winding(beneath([root]), lambda name: {name: 1.0} if name in "xy" else {})
-    np.testing.assert_equal(found, turns)
+    assert_equal(found, turns)
 
 
 # == Quantities that pass infinity: their greatest and least values are infinite, wherever what divides them vanishes
-
-
-@planar.quantity(units="1", description="Torque on the output link over that on the crank", symbol="m")
-def torque_ratio(omega1, omega4):
-    return omega1 / omega4
-
-
-@planar.quantity(units="s2", description="Even pole", symbol="e")
-def even(omega4):
-    return 1.0 / (omega4 * omega4)
-
-
-@planar.quantity(units="1", description="Poles of a tangent", symbol="t")
-def slope_of_output(theta4):
-    return tan(theta4)
-
-
-@planar.quantity(units="m-1", description="Pole in line with the ground", symbol="g")
-def over_height(A_y):
-    return 1.0 / A_y
-
-
-@planar.quantity(units="rad s-1", description="A quotient with a limit", symbol="l")
-def with_limit(A_y, omega4):
-    return A_y * omega4 / A_y
-
-
-@planar.quantity(units="1", description="A quotient of a quotient", symbol="q")
-def within(torque_ratio):
-    return 1.0 + torque_ratio
-
-
-@planar.quantity(units="rad s-1", description="Pole where the other has none", symbol="n")
-def undone(omega1, torque_ratio):
-    return omega1 / torque_ratio
 
 
 #: What vanishes where each may be infinite, whether it is of one sign on both sides, and the built-in quantities.
@@ -369,13 +279,8 @@ def test_extremes_are_infinite_where_the_divisor_changes_its_sign(name):
 
 def test_places_bounds_and_lists_beside_poles():
     design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
-    names = [
-        "torque_ratio_max",
-        "torque_ratio_max_error",
-        "theta1_at_torque_ratio_max",
-        "even_extrema",
-        "even_min",
-    ]
+    names = ["torque_ratio_max", "torque_ratio_max_error", "theta1_at_torque_ratio_max"]
+    names += ["even_extrema", "even_min"]
     names += ["with_limit_max", "undone_max", "omega4_max", "d_torque_ratio_max_d_a1", "slope_of_output_peak"]
     found = sweep_both(planar, design, names, verify=1)
     assert found.attrs["verify_mismatches"] == 0
@@ -390,11 +295,11 @@ def test_places_bounds_and_lists_beside_poles():
     assert (found.even_extrema.min("extremum") == found.even_min).all()
     # a divisor of what it stands beside leaves no pole
     for name in ("with_limit_max", "undone_max"):
-        np.testing.assert_allclose(found[name], found.omega4_max, rtol=1e-14)
+        assert_allclose(found[name], found.omega4_max, rtol=1e-14)
     assert np.isposinf(found.slope_of_output_peak).all()
     arc = sweep_both(planar, design | {"arc_start": 0.5, "arc_end": 1.5}, names[:1]).torque_ratio_max
     dense = sweep_both(planar, design, ["torque_ratio"], angles=np.linspace(0.5, 1.5, 4001))
-    np.testing.assert_allclose(arc, dense.torque_ratio.max("theta1"), rtol=1e-5)
+    assert_allclose(arc, dense.torque_ratio.max("theta1"), rtol=1e-5)
 
 
 def test_poles_of_the_slider_crank_and_where_the_centre_is():
@@ -431,6 +336,6 @@ def test_centres_of_the_planar_4r_are_where_the_links_meet():
     assert float(abs(at.A_x * y - at.A_y * x).max() / scale.max()) < 1e-14
     assert float((abs((at.B_x - 1.0) * y - at.B_y * (x - 1.0)) / scale**2).max()) < 1e-13
     crossing = at.A_x - at.A_y * (at.B_x - at.A_x) / (at.B_y - at.A_y)
-    np.testing.assert_allclose(at.relative_centre_x, crossing, rtol=1e-11)
+    assert_allclose(at.relative_centre_x, crossing, rtol=1e-11)
     # each is rounded on its own, and cancels next to where the output link rests
-    np.testing.assert_allclose(at.mechanical_advantage * at.omega4, 25.0, rtol=1e-13)
+    assert_allclose(at.mechanical_advantage * at.omega4, 25.0, rtol=1e-13)

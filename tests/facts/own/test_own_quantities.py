@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from tests.facts.own.declared import LENGTHS, LINKS, mine
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import TURNING, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.app.study import load_extension
@@ -48,7 +48,7 @@ def test_values_are_those_of_the_formula():
         np.testing.assert_allclose(maps[name], expected[name], rtol=atol, atol=atol)
 
 
-def test_evaluate_and_function_and_sweep_agree():
+def test_it_goes_to_other_processes_as_text_and_every_door_agrees():
     maps = fl.sweep(mine, LENGTHS, ["cost", "cost_max"], theta1=np.array([1.0]), extrema="sampled", branch=1)
     at = fl.evaluate(mine, ["cost"], **LENGTHS, theta1=1.0, branch=1)
     assert at["cost"] == maps.cost.item()
@@ -57,6 +57,12 @@ def test_evaluate_and_function_and_sweep_agree():
     )
     assert greatest([0.4, 0.5]).item() == fl.sweep(mine, LENGTHS, ["cost_max"], branch=1).cost_max.item()
     assert pickle.loads(pickle.dumps(greatest))([0.4, 0.5]) == greatest([0.4, 0.5])
+    again = pickle.loads(pickle.dumps(mine))
+    assert repr(again) == repr(mine)
+    request = resolve(mine, LENGTHS, ["cost_max"], branch=(1, 2))
+    travelled = pickle.loads(pickle.dumps(request))
+    assert travelled.fingerprint == request.fingerprint
+    assert travelled.catalogue is request.catalogue
 
 
 @pytest.mark.sample(1)
@@ -81,14 +87,8 @@ def test_extremes_are_those_of_a_dense_grid(name):
 
 @pytest.mark.stress
 def test_verification_with_50_digits_finds_roundings_alone():
-    names = [
-        "cost_max",
-        "cost_extrema",
-        "d_cost_d_a1",
-        "bearing_load_max",
-        "d_overload_d_F_allowed",
-        "cost_error",
-    ]
+    names = ["cost_max", "cost_extrema", "d_cost_d_a1"]
+    names += ["bearing_load_max", "d_overload_d_F_allowed", "cost_error"]
     maps = sweep_both(mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3)
     assert maps.attrs["verify_mismatches"] == 0
     for name in ("cost_max", "d_cost_d_a1", "bearing_load_max"):
@@ -97,7 +97,7 @@ def test_verification_with_50_digits_finds_roundings_alone():
     assert maps.cost_error.attrs["verify_mismatches"] == 0
 
 
-def test_derivatives_are_those_of_differences():
+def test_derivatives_are_those_of_differences_and_bounds_cover_choices_that_rounding_makes():
     given = {**LENGTHS, "theta1": 1.0, "branch": 1}
     step = 2.0**-18
     for by in ("a1", "weight"):
@@ -106,9 +106,6 @@ def test_derivatives_are_those_of_differences():
         slope = fl.evaluate(mine, [f"d_cost_d_{by}"], **given)[f"d_cost_d_{by}"]
         # the third derivative over six times step^2, about 1e-10 of the value; rounding over the step
         assert abs((moved[1] - moved[0]) / (2 * step) - slope) < 1e-8 * max(abs(slope), 1.0)
-
-
-def test_error_bounds_cover_a_choice_that_rounding_makes():
     # where both forces are within their errors of each other, the bound is at least the greater of both errors
     maps = sweep_both(mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60)
     least = np.minimum(maps.F21_error, maps.F41_error)
@@ -128,7 +125,7 @@ def test_extremes_at_kinks_have_no_derivative():
     assert not (maps.off_right_angle_max_gradient_status == 6).any()
 
 
-def test_labels_tell_what_it_is():
+def test_labels_tell_what_it_is_and_inputs_that_nothing_depends_on_stay_out():
     maps = sweep_both(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS)
     assert maps.cost_max.attrs["long_name"].startswith("Poor transmission, and speed of the output")
     assert maps.cost_max.attrs["symbol"] == "max C"
@@ -137,6 +134,11 @@ def test_labels_tell_what_it_is():
     assert "declared in declared.py" in maps.cost_max.attrs["references"]
     assert any(row.name == "cost" and row.units == "1" for row in fl.quantities(mine))
     assert "cost_max" in str(fl.explain(mine, LENGTHS, ["cost_max"], branch=(1, 2)))
+    maps = sweep_both(mine, LENGTHS, ["omega4_max"])
+    assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
+    assert "weight" in sweep_both(mine, LENGTHS, ["cost_max"]).coords
+    maps = sweep_both(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
+    assert maps.is_poor_max.attrs["extrema"] == "sampled"
 
 
 def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
@@ -166,12 +168,6 @@ def test_the_best_design_is_refined_by_the_extension_of_its_map():
             fl.best(maps, **wanted, mechanism=other)
     with refused("mechanism", "refine=True"):
         fl.best(maps, minimise="cost_max", mechanism=mine)
-
-
-def test_inputs_that_nothing_depends_on_stay_out():
-    maps = sweep_both(mine, LENGTHS, ["omega4_max"])
-    assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
-    assert "weight" in sweep_both(mine, LENGTHS, ["cost_max"]).coords
 
 
 def test_built_in_kernels_stay_as_they_are():
@@ -208,15 +204,6 @@ def test_a_run_of_another_definition_is_refused(tmp_path):
     assert resolve(further, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint == one
 
 
-def test_it_goes_to_other_processes_as_text():
-    again = pickle.loads(pickle.dumps(mine))
-    assert repr(again) == repr(mine)
-    request = resolve(mine, LENGTHS, ["cost_max"], branch=(1, 2))
-    travelled = pickle.loads(pickle.dumps(request))
-    assert travelled.fingerprint == request.fingerprint
-    assert travelled.catalogue is request.catalogue
-
-
 def test_other_inputs_have_what_is_defined_there():
     lengths = {name: value for name, value in LENGTHS.items() if name != "omega1"}
     maps = sweep_both(mine, lengths, ["off_right_angle_max"], input="joint_angle_4")
@@ -225,23 +212,9 @@ def test_other_inputs_have_what_is_defined_there():
         sweep_both(mine, lengths, ["bearing_load_max"], input="joint_angle_4")
 
 
-def test_extremes_of_what_may_jump_are_those_of_samples():
-    maps = sweep_both(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
-    assert maps.is_poor_max.attrs["extrema"] == "sampled"
-
-
 def test_names_of_kernels_are_taken():
-    wanted = [
-        "omega4_max",
-        "omega4_extrema",
-        "F21_max_error",
-        "d_F21_max_d_a1",
-        "F21",
-        "F21_mean",
-        "T41_fluctuation",
-        "P_straightness",
-        "P_roundness",
-    ]
+    wanted = ["omega4_max", "omega4_extrema", "F21_max_error", "d_F21_max_d_a1"]
+    wanted += ["F21", "F21_mean", "T41_fluctuation", "P_straightness", "P_roundness"]
     known, names = catalogue("planar_4r"), set()
     design = LENGTHS | {"P_u": 0.5, "P_v": 0.2}
     for program in resolve("planar_4r", design, wanted, links=LINKS, branch=(1, 2)).plan.programs:
@@ -271,7 +244,6 @@ mine = fl.extend("planar_4r")
 def long(theta4, a1, a2):
     x = theta4
 """
-DESIGN = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 FACTORS = [round(random.Random(k).uniform(0.5, 1.5), 3) for k in range(1000)]
 TEXTS = {
     "sum": " + ".join(f"{k} * x" for k in FACTORS),
@@ -309,10 +281,10 @@ def declared(tmp_path):
 @pytest.mark.parametrize("kind", TEXTS)
 def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
     mine, function = declared(f"    return {TEXTS[kind]}")
-    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **TURNING)
     assert found["long"] == function(found["theta4"], 0.4, 1.2)
     catalogue = mine.catalogue()
-    assert script_of(catalogue, ["long"], list(DESIGN), ())[1] == ("long",)
+    assert script_of(catalogue, ["long"], list(TURNING), ())[1] == ("long",)
     assert catalogue.resolve("long_error").depends_on
     if kind not in (
         "conditions",
@@ -327,7 +299,7 @@ def test_a_long_chain_has_the_value_that_python_gives_it(declared, kind):
 def test_a_long_chain_is_taken_by_every_reader(declared, kind):
     text = TEXTS[kind] if kind == "conditions" else " + ".join(f"{k} * x" for k in FACTORS[:100])
     mine, function = declared(f"    return {text} + a2 / a1 * x")
-    space = fl.grid(**DESIGN | {"a1": [0.3, 0.4]})
+    space = fl.grid(**TURNING | {"a1": [0.3, 0.4]})
     smooth = ["d_long_d_a2", "long_max_error"] if kind == "sum" else []
     maps = fl.sweep(
         mine, space, ["theta4", "long", "long_error", "long_max", *smooth], branch=1, theta1=7, verify=1
@@ -345,11 +317,11 @@ def test_a_long_chain_is_taken_by_every_reader(declared, kind):
 def test_ten_thousand_terms(declared):
     lines = [f"    y = {'y + ' if k else ''}{TEXTS['sum']}" for k in range(10)]
     mine, function = declared("\n".join([*lines, "    return y"]))
-    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **DESIGN)
+    found = fl.evaluate(mine, ["theta4", "long"], theta1=1.0, branch=1, **TURNING)
     assert math.isclose(found["long"], function(found["theta4"], 0.4, 1.2), rel_tol=1e-11)
 
 
-def test_what_python_has_no_room_for_is_refused_in_a_line(declared):
+def test_what_python_has_no_room_for_is_refused_and_more_kinks_than_are_searched_sampled(declared):
     for text in (" + ".join(["x"] * 100_000), "-" * 100_000 + "x"):
         with refused("quantities_file", TOO_LONG[1]):
             declared(f"    return {text}")
@@ -357,9 +329,6 @@ def test_what_python_has_no_room_for_is_refused_in_a_line(declared):
         with pytest.raises(InputError) as caught:
             declared(f"    return {text}")
         assert len(str(caught.value)) < 400
-
-
-def test_more_kinks_than_are_searched_make_extremes_those_of_samples(declared):
     for count, sampled in ((3, False), (100, True)):
         mine, _ = declared(f"    return {' + '.join(f'abs({k} - x)' for k in FACTORS[:count])}")
         catalogue = mine.catalogue()

@@ -62,8 +62,6 @@ def test_the_chebyshev_linkage_to_every_digit():
     assert [round(float(first[name]), 4) for name in ("m", "p", "r")] == [0.8404, 1.8697, 0.4495]
 
 
-# -- brute force over the crank -------------------------------------------------------------------------------
-
 ANGLES = ("transmission_angle_PQ_least", "transmission_angle_F_least")
 
 

@@ -1,10 +1,8 @@
-"""The focal mechanism in motion, by either drive: what the loops have no value of, and the paper's special cases.
-
-Joints, circles and angles of the figure are held by the loops (tests/precision/test_loops.py).
-"""
+"""The focal mechanism in motion, by either drive: what the loops have no value of, and the paper's special cases."""
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.focal_configurations import DRIVES, family, random_designs
 from tests.support.sweeps import sweep_both
 
@@ -41,8 +39,8 @@ def test_with_rho_minus_1_F_runs_along_lines_perpendicular_to_MN_and_to_AB():
     assert moves.sum() > 100
     assert np.ptp(found["F_across_AB"][moves]) > 0.5
     # sums of three lengths of at most 4, each some roundings off
-    np.testing.assert_allclose(found["F_along_AB"][moves], found["line_along_AB"][moves], rtol=0, atol=2e-14)
-    np.testing.assert_allclose(found["F_x"][moves], found["line_x"][moves], rtol=0, atol=4e-15)
+    assert_allclose(found["F_along_AB"][moves], found["line_along_AB"][moves], rtol=0, atol=2e-14)
+    assert_allclose(found["F_x"][moves], found["line_x"][moves], rtol=0, atol=4e-15)
     assert np.nanmax(found["F_path_residual"]) <= 30 * UNIT_ROUNDING
     # AB held fixed, MN moves: (7.5) with c and d exchanged, and lambda/(lambda - 1) for lambda
     other = float(found["lambda_"][0]) / (float(found["lambda_"][0]) - 1.0)
@@ -64,9 +62,6 @@ def test_the_graphic_solution_of_figure_4():
         diameter = np.hypot(at["T_x"] - at["S_x"], at["T_y"])
         assert abs(2.0 * at["PSQT_radius"] - diameter) <= 30 * UNIT_ROUNDING * a
         assert abs(2.0 * at["r"] - (at["h1"] - at["h2"])) <= 10 * UNIT_ROUNDING * a
-
-
-# -- motion -------------------------------------------------------------------------------------------------------
 
 
 def test_the_crank_turns_without_a_jump_of_branch():
@@ -98,12 +93,9 @@ def test_the_crank_turns_without_a_jump_of_branch():
         assert (np.abs(np.exp(1j * first) - np.exp(1j * last)) <= allowed).all()
 
 
-# -- sweeps -------------------------------------------------------------------------------------------------------
-
-
 def test_extremes_of_what_passes_infinity_are_those_of_the_given_positions():
     """MA and NB of this four-bar are parallel somewhere: no smooth curve leads from one extreme of X to the other."""
     space = fl.grid(a=1.2, b=0.9, c=2.0, d=2.3, rho=0.7, completion=1)
     maps = sweep_both("focal", space, ["X_x", "X_x_max", "Y_x", "Y_x_min"])
-    np.testing.assert_array_equal(maps.X_x_max, maps.X_x.max("phi"))
-    np.testing.assert_array_equal(maps.Y_x_min, maps.Y_x.min("phi"))
+    assert_array_equal(maps.X_x_max, maps.X_x.max("phi"))
+    assert_array_equal(maps.Y_x_min, maps.Y_x.min("phi"))

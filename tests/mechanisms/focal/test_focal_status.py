@@ -6,6 +6,7 @@ from pathlib import Path
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.focal_designs import FACTS, FOCAL, GIVEN, LENGTHS, NUMBERS, facts, random_designs
 
 import fastlink as fl
@@ -83,18 +84,7 @@ def test_status_at_and_next_to_its_boundaries(meaning, design):
         assert not any(there[name] for name in NUMBERS if name != "lambda_")
 
 
-def test_every_status_is_met():
-    assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values()) - {"beyond_range"}
-
-
-def test_both_completions_are_one_where_they_meet():
-    one, other = (facts({name: [value] for name, value in BOUNDARIES[0][1].items()}, k) for k in (1.0, 2.0))
-    for name in FACTS:
-        # S/d and c/S are two roundings off one number, of which lambda is made
-        np.testing.assert_allclose(one[name], other[name], rtol=16 * UNIT_ROUNDING, err_msg=name)
-
-
-def test_change_points_are_told_as_such():
+def test_change_points_and_equal_completions_are_told_as_such_and_every_status_is_met():
     # a + b = c + d: everything may lie in line
     found = facts({"a": [5.0], "b": [3.0], "c": [2.0], "d": [6.0], "rho": [1.0]}, 1.0)
     assert found["crank_type"][0] == 4.0
@@ -103,9 +93,11 @@ def test_change_points_are_told_as_such():
     kites = {"a": [2.0, 1.0], "b": [1.0, 2.0], "c": [1.0, 1.0], "d": [2.0, 2.0], "rho": [1.0, 1.0]}
     found = facts(kites, 1.0)["grashof_class"]
     assert [flags[int(code)] for code in found] == ["change_point_kite_a_d", "change_point_kite_a_c"]
-
-
-# -- where both completions meet: the last bit of the inputs decides whether there is one -------------------------
+    one, other = (facts({name: [value] for name, value in BOUNDARIES[0][1].items()}, k) for k in (1.0, 2.0))
+    for name in FACTS:
+        # S/d and c/S are two roundings off one number, of which lambda is made
+        assert_allclose(one[name], other[name], rtol=16 * UNIT_ROUNDING, err_msg=name)
+    assert {meaning for meaning, _ in BOUNDARIES} == set(STATUS_FLAGS.values()) - {"beyond_range"}
 
 
 def quadratic(given, lengths, sign):
@@ -161,16 +153,13 @@ def test_the_last_bit_decides_whether_there_is_a_completion(given):
     names = [name for name in ("lambda_", *BARS, "r", "FT") if name != given]
     for completion in (1, 2):
         found = fl.evaluate("focal", ["status", *names], **design, completion=completion, phi=1.0, branch=1)
-        np.testing.assert_array_equal(
+        assert_array_equal(
             found["status"], np.where(exist, CODES["completed"], CODES["no_real_lambda_or_rho"])
         )
         for name in names:
-            np.testing.assert_array_equal(np.isfinite(found[name]), exist)
+            assert_array_equal(np.isfinite(found[name]), exist)
     assert 0.2 < np.mean(exist) < 0.8
     assert len(exist) > 200
-
-
-# -- studies --------------------------------------------------------------------------------------------------
 
 
 def test_the_study_of_chebyshev_s_linkage(tmp_path):

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.hart_configurations import HART, OF_THE_CRANK, QUANTITIES, WUNDERLICH, at
 from tests.support.sweeps import sweep_both
 
@@ -15,9 +16,6 @@ KITE_FLAGS = catalogue("hart").facts["is_kite"].flags
 STATUS_FLAGS = catalogue("hart").facts["status"].flags
 
 
-# -- the stroke, and F as the driven joint ---------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     "design",
     [WUNDERLICH, {"m": 1.0, "n": 8.0, "d": 7.0, "kappa": 0.5}, {"m": 1.0, "n": 1.4, "d": 2.5, "kappa": 0.6}],
@@ -27,7 +25,7 @@ def test_F_traces_its_stroke_and_assembles_along_it_alone(design):
     told = at(["F_y_outer", "F_y_inner", "stroke", "status"], **design)
     outer, inner = float(told["F_y_outer"]), float(told["F_y_inner"])
     two = STATUS_FLAGS[int(told["status"])] == "two_segments"
-    np.testing.assert_allclose(told["stroke"], outer - inner if two else 2.0 * outer, rtol=64 * UNIT_ROUNDING)
+    assert_allclose(told["stroke"], outer - inner if two else 2.0 * outer, rtol=64 * UNIT_ROUNDING)
     phi = np.linspace(-np.pi, np.pi, 20001)
     y = np.sort(at(["F_y"], branch=np.array([[1.0], [2.0]]), phi=phi, **design)["F_y"], axis=None)
     y = y[np.isfinite(y)]
@@ -41,11 +39,8 @@ def test_F_traces_its_stroke_and_assembles_along_it_alone(design):
     maps = sweep_both("hart", fl.grid(**design), ["phi", "F_x", "P_y"], input="F_y", angles=places)
     inside = (np.abs(places) <= outer) & (np.abs(places) >= inner)
     for name in ("phi", "F_x", "P_y"):
-        np.testing.assert_array_equal(np.isfinite(maps[name]), [inside, inside])
+        assert_array_equal(np.isfinite(maps[name]), [inside, inside])
     assert maps.phi.dims == ("branch", "F_y")
-
-
-# -- the example of the paper, kites, codes --------------------------------------------------------------------
 
 
 def test_the_linkage_of_figures_6_and_7():
@@ -91,14 +86,14 @@ def test_kites_in_decimals(kappa, n):
         assert abs(told["line_x"] - (0.0 if kite == 1 else ground)) <= 8 * UNIT_ROUNDING * (
             m + other + ground
         )
-        np.testing.assert_allclose(told["stroke"], 4.0 * small, rtol=8 * UNIT_ROUNDING)
+        assert_allclose(told["stroke"], 4.0 * small, rtol=8 * UNIT_ROUNDING)
         if kite == 1:
             found = at(["PF_mid_x", "PF_mid_y", "F_y"], branch=np.array([[1], [2]]), phi=phi, **given)
             moves = np.abs(found["F_y"]) > 1e-6 * small  # in the other branch F stays at M
             assert moves.sum() == phi.size
             x, y = found["PF_mid_x"] / told["ellipse_b"], found["PF_mid_y"] / told["ellipse_a"]
             # the lengths are off the kite by 2 roundings, each coordinate by 4
-            np.testing.assert_allclose((x * x + y * y)[moves], 1.0, rtol=32 * UNIT_ROUNDING)
+            assert_allclose((x * x + y * y)[moves], 1.0, rtol=32 * UNIT_ROUNDING)
 
 
 @pytest.mark.parametrize(
@@ -146,7 +141,7 @@ def test_status_agrees_with_the_four_bar():
         factor = abs(1.0 - kappa * kappa)
         four = {"a1": factor * m, "a2": abs(kappa) * d, "a3": factor * n, "a4": d}
         bars = fl.evaluate("planar_4r", ["status", "grashof_class"], theta1=1.0, **four)
-    np.testing.assert_array_equal(told["status"] == 4, bars["status"] == 2)
-    np.testing.assert_array_equal(told["grashof_class"], bars["grashof_class"])
+    assert_array_equal(told["status"] == 4, bars["status"] == 2)
+    assert_array_equal(told["grashof_class"], bars["grashof_class"])
     lengths = np.sort([*four.values()], axis=0)
-    np.testing.assert_array_equal(told["status"] == 3, lengths[3] == lengths[:3].sum(axis=0))
+    assert_array_equal(told["status"] == 3, lengths[3] == lengths[:3].sum(axis=0))

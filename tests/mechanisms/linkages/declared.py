@@ -1,15 +1,11 @@
 """Linkages that tests share, and random designs of them."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 
 import fastlink as fl
 
 
-def numbered(**links: int) -> dict[str, Any]:
+def numbered(**links):
     """Return the masses of links by the names that mechanisms by hand have for them."""
     return {
         name: {"mass": f"m{k}", "inertia": f"I{k}", "centre": (f"G{k}_u", f"G{k}_v")}
@@ -21,15 +17,12 @@ FOUR_BAR = fl.linkage(
     "four_bar",
     ground={"O": (0, 0), "D": ("a4", 0)},
     crank={"A": ("O", "a1")},
-    dyads={
-        "B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")},
-        "P": {"on": ("A", "B"), "at": ("P_u", "P_v")},
-    },
+    dyads={"B": {"rrr": ("A", "D"), "lengths": ("a2", "a3")}, "P": {"on": ("A", "B"), "at": ("P_u", "P_v")}},
     masses=numbered(OA=1, AB=2, DB=3),
     loads={"P": ("FP_x", "FP_y"), "DB": "T_load"},
     gravity=("gravity_x", "gravity_y"),
 )
-DECLARED: dict[str, Any] = {
+DECLARED = {
     "name": "six_bar",
     "ground": {"O": (0, 0), "D": ("a4", 0), "G": ("G_x", "G_y")},
     "crank": {"A": ("O", "a1")},
@@ -63,13 +56,13 @@ TURNING = {"a1": 0.1, "a2": 0.3, "a3": 0.35, "a4": 0.4, "P_u": 0.15, "P_v": 0.1}
 TURNING |= {"G_x": 0.45, "G_y": 0.3, "a5": 0.3, "a6": 0.25}
 
 
-def masses(rng: np.random.Generator, count: int, *links: int) -> dict[str, Any]:
+def masses(rng, count, *links):
     """Return random masses of links, whose mass centres may be anywhere."""
     found = {f"{word}{k}": rng.uniform(0.1, 3.0, count) for k in links for word in ("m", "I")}
     return found | {f"G{k}_{axis}": rng.uniform(-0.5, 1.0, count) for k in links for axis in "uv"}
 
 
-def four_bars(count: int, seed: int) -> dict[str, Any]:
+def four_bars(count, seed):
     """Return four-bars, of which half are next to change points, down to rounding."""
     rng = np.random.default_rng(seed)
     designs = {name: rng.uniform(0.1, 1.0, count) for name in ("a1", "a2", "a3", "a4")}
@@ -84,7 +77,7 @@ def four_bars(count: int, seed: int) -> dict[str, Any]:
     return designs | masses(rng, count, 1, 2, 3) | loads
 
 
-def slider_cranks(count: int, seed: int) -> dict[str, Any]:
+def slider_cranks(count, seed):
     """Return slider-cranks, of which half are next to change points, down to rounding."""
     rng = np.random.default_rng(seed)
     designs = {"r": rng.uniform(0.1, 1.0, count), "l": rng.uniform(0.1, 1.0, count)}
@@ -96,7 +89,7 @@ def slider_cranks(count: int, seed: int) -> dict[str, Any]:
     return designs | masses(rng, count, 1, 2) | {"m3": rng.uniform(0.1, 3.0, count)}
 
 
-def six_bars(count: int, seed: int) -> dict[str, Any]:
+def six_bars(count, seed):
     """Return six-bars of all kinds: most of them move over parts of the turn."""
     rng = np.random.default_rng(seed)
     spans = {

@@ -105,12 +105,11 @@ def test_mistakes_in_a_study_name_table_and_key(tmp_path, changes, message):
     assert message in str(refused.value)
 
 
-def test_a_linkage_is_not_synthesised():
+def test_what_a_linkage_has_not_is_refused_and_what_it_has_is_listed(tmp_path):
     with pytest.raises(fl.InputError, match="is not synthesised"):
         fl.synthesise(SIX_BAR, path=[(0.0, 0.0), (1.0, 1.0), (2.0, 1.0)])
-
-
-def test_the_command_line_lists_what_the_linkage_of_a_study_has(tmp_path):
+    with pytest.raises(fl.InputError, match="no forces without masses; declare masses="):
+        fl.sweep(SIX_BAR, TURNING | {"omega": 1.0}, ["d_torque_peak_d_a1"], branch=3)
     done = called("quantities", str(study_of(tmp_path / "six_bar.toml")), "--find", "speed of F")
     assert "F_speed" in done.stdout
 
@@ -135,8 +134,3 @@ def test_what_a_search_finds_of_a_linkage_is_written_and_read(tmp_path, monkeypa
     with fl.open(place) as written:
         assert written.F_x_max.item() == found.F_x_max.item()
         assert written.attrs["mechanism"] == str(SIX_BAR)
-
-
-def test_forces_of_a_linkage_without_masses_are_refused():
-    with pytest.raises(fl.InputError, match="no forces without masses; declare masses="):
-        fl.sweep(SIX_BAR, TURNING | {"omega": 1.0}, ["d_torque_peak_d_a1"], branch=3)

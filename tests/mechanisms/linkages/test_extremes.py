@@ -1,9 +1,5 @@
 """Extremes of declared linkages, which are searched in the pieces of the turn in which all dyads close."""
 
-from __future__ import annotations
-
-from typing import Any
-
 import numpy as np
 import pytest
 from tests.mechanisms.linkages.declared import (
@@ -29,53 +25,44 @@ DECLARED = {
         FOUR_BAR,
         "omega1",
         four_bars,
-        {
-            "theta4": "angle_DB",
-            "omega2": "omega_AB",
-            "alpha4": "alpha_DB",
-            "P_x": "P_x",
-            "P_speed": "P_speed",
-            "transmission_angle": "transmission_angle_B",
-            "T41": "torque",
-            "F21": "force_AB_A",
-            "F32_x": "force_AB_B_x",
-            "F43": "force_DB_D",
-            "F41_y": "force_OA_O_y",
-            "shaking_force": "shaking_force",
-            "shaking_moment": "shaking_moment",
-        },
+        "theta4=angle_DB omega2=omega_AB alpha4=alpha_DB P_x=P_x P_speed=P_speed "
+        "transmission_angle=transmission_angle_B T41=torque F21=force_AB_A F32_x=force_AB_B_x "
+        "F43=force_DB_D F41_y=force_OA_O_y shaking_force=shaking_force shaking_moment=shaking_moment",
     ),
     "slider_crank": (
         SLIDER_CRANK,
         "omega",
         slider_cranks,
-        {
-            "slider_position": "slide_B",
-            "slider_acceleration": "slide_B_acceleration",
-            "theta2": "angle_AB",
-            "omega2": "omega_AB",
-            "transmission_angle": "transmission_angle_B",
-            "T41": "torque",
-            "side_force": "normal_force_B",
-            "F32": "force_AB_B",
-            "F21": "force_AB_A",
-            "shaking_force_x": "shaking_force_x",
-            "shaking_moment": "shaking_moment",
-        },
+        "slider_position=slide_B slider_acceleration=slide_B_acceleration theta2=angle_AB omega2=omega_AB "
+        "transmission_angle=transmission_angle_B T41=torque side_force=normal_force_B F32=force_AB_B "
+        "F21=force_AB_A shaking_force_x=shaking_force_x shaking_moment=shaking_moment",
     ),
 }
 
 
-def agree(one: Any, off: Any, other: Any, error: Any) -> Any:
+def agree(one, off, other, error):
     """Tell where each of two values is within its own bound of the exact one, or neither is a number."""
     with np.errstate(invalid="ignore"):
         return (one == other) | (np.isnan(one) & np.isnan(other)) | (abs(one - other) <= off + error)
 
 
-def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) -> None:
-    """Compare extremes with those of a mechanism that is exact next to change points."""
+#: Numbers of designs and seeds, in a run and in a long one.
+COUNTS = [(300, 1), *(pytest.param(20_000, seed, marks=pytest.mark.stress) for seed in range(2, 7))]
+#: What is compared in a run; all that is shared in a long one.
+FEW = {
+    "planar_4r": ("theta4", "P_x", "T41", "F43"),
+    "slider_crank": ("slider_position", "theta2", "side_force"),
+}
+
+
+@pytest.mark.parametrize(("count", "seed"), COUNTS)
+@pytest.mark.parametrize("mechanism", DECLARED)
+def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(mechanism, count, seed):
+    """Which is exact next to change points."""
     declared, speed, designs_of, shared = DECLARED[mechanism]
-    shared, designs = {name: shared[name] for name in names or shared}, designs_of(count, seed)
+    shared = dict(pair.split("=") for pair in shared.split())
+    names = FEW[mechanism] if count == COUNTS[0][0] else shared
+    shared, designs = {name: shared[name] for name in names}, designs_of(count, seed)
     ends = [(how, of) for how in ("max", "min") for of in ("", "_error")]
     theirs = [f"{name}_{how}{of}" for name in shared for how, of in ends]
     ours = [f"{name}_{how}{of}" for name in shared.values() for how, of in ends]
@@ -93,27 +80,7 @@ def compare(mechanism: str, count: int, seed: int, names: tuple[str, ...] = ()) 
     assert (found.status.values[decided] == known.status.values[decided, None]).all()
 
 
-@pytest.mark.parametrize(
-    ("mechanism", "names"),
-    [
-        ("planar_4r", ("theta4", "P_x", "T41", "F43")),
-        ("slider_crank", ("slider_position", "theta2", "side_force")),
-    ],
-)
-def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(
-    mechanism: str, names: tuple[str, ...]
-) -> None:
-    compare(mechanism, 300, 1, names)
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("mechanism", DECLARED)
-@pytest.mark.parametrize("seed", range(5))
-def test_all_shared_quantities_of_many_designs(mechanism: str, seed: int) -> None:
-    compare(mechanism, 20_000, seed)
-
-
-def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_worst() -> None:
+def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_worst():
     ends = [f"transmission_angle_{name}_{how}" for name in "BF" for how in ("min", "max")]
     least = "least_transmission_angle_min"
     maps = fl.sweep(SIX_BAR, six_bars(300, 7) | {"omega": 1.0}, [*ends, least], branch=(1, 2, 3, 4), verify=1)
@@ -125,8 +92,9 @@ def test_the_least_transmission_angle_is_that_of_the_worst_dyad_where_that_is_wo
     assert np.allclose(maps[least], of_dyads, rtol=0.0, atol=8 * 2.0**-52, equal_nan=True)
 
 
-def compare_with_hart(count: int, seed: int) -> None:
-    """Compare Hart's linkage by its joints with the one by hand: positions, and extremes of the rocker.
+@pytest.mark.parametrize(("count", "seed"), COUNTS)
+def test_harts_linkage_is_the_one_by_hand(count, seed):
+    """Positions, and extremes of the rocker.
 
     Where F is in line with P and Q the dyad touches its limit, and goes on by either of its ways to assemble.
     """
@@ -157,20 +125,23 @@ def compare_with_hart(count: int, seed: int) -> None:
         assert same.all(), np.argwhere(~same)[:3]
 
 
-def test_harts_linkage_is_the_one_by_hand() -> None:
-    compare_with_hart(300, 1)
+MANY = ("F_x", "F_y", "angle_GF", "transmission_angle_F", "omega_GF", "F_speed", "alpha_PF")
 
 
-@pytest.mark.stress
-@pytest.mark.parametrize("seed", range(2, 7))
-def test_many_of_harts_linkages(seed: int) -> None:
-    compare_with_hart(20_000, seed)
-
-
-def check_against_samples(
-    count: int, seed: int, names: tuple[str, ...], arc: tuple[float, float] | None
-) -> None:
-    """Check that no sample is beyond an extreme, and that there are none where nothing closes."""
+@pytest.mark.parametrize(
+    ("count", "seed", "names", "arc"),
+    [
+        (60, 2, ("F_x", "B_y", "omega_GF"), None),
+        (60, 3, ("F_y",), (0.5, 2.5)),
+        *(
+            pytest.param(1000, seed, MANY, arc, marks=pytest.mark.stress)
+            for first, arc in ((11, None), (10, (1.0, 5.0)))
+            for seed in range(first, 20, 2)
+        ),
+    ],
+)
+def test_no_sample_of_a_six_bar_is_beyond_its_extremes(count, seed, names, arc):
+    """And there are none where nothing closes."""
     designs, (low, high) = six_bars(count, seed), arc or (0.0, 2.0 * np.pi)
     ends = {} if arc is None else {"arc_start": low, "arc_end": high}
     wanted = [f"{name}_{how}" for name in names for how in ("max", "min")]
@@ -199,19 +170,7 @@ def check_against_samples(
         assert np.isnan(most).sum() <= (~closes.any(axis=-1)).sum()
 
 
-def test_no_sample_of_a_six_bar_is_beyond_its_extremes() -> None:
-    check_against_samples(60, 2, ("F_x", "B_y", "omega_GF"), None)
-    check_against_samples(60, 3, ("F_y",), (0.5, 2.5))
-
-
-@pytest.mark.stress
-@pytest.mark.parametrize("seed", range(10, 20))
-def test_no_sample_of_many_six_bars(seed: int) -> None:
-    names = ("F_x", "F_y", "angle_GF", "transmission_angle_F", "omega_GF", "F_speed", "alpha_PF")
-    check_against_samples(1000, seed, names, None if seed % 2 else (1.0, 5.0))
-
-
-def last_quantities(mechanism: str) -> list[str]:
+def last_quantities(mechanism):
     """Return places, speeds and rates that have a value where all dyads close, and there alone."""
     known = catalogue(mechanism)
     given = {*known.inputs, *known.tables, known.position.name, "branch"}
@@ -229,7 +188,7 @@ def last_quantities(mechanism: str) -> list[str]:
 
 @pytest.mark.stress
 @pytest.mark.parametrize("kind", EACH)
-def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None:
+def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind):
     declared, design, branches = KINDS[kind]
     drive = {} if "slider" in declared else CRANK
     mechanism, rng = fl.linkage("any", **drive, **declared), np.random.default_rng(len(kind))
@@ -254,16 +213,9 @@ def test_no_sample_of_any_kind_of_dyad_is_beyond_its_extremes(kind: str) -> None
         assert not (beyond | missed).any(), (name, np.argwhere(beyond | missed)[:5])
 
 
-def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
-    names = [
-        "theta_low",
-        "theta_high",
-        "theta_low_by",
-        "theta_high_by",
-        "F_x_max",
-        "F_x_extrema",
-        "omega_GF_min",
-    ]
+def test_ranges_and_what_limits_them_are_verified(tmp_path):
+    names = ["theta_low", "theta_high", "theta_low_by", "theta_high_by"]
+    names += ["F_x_max", "F_x_extrema", "omega_GF_min"]
     maps = fl.sweep(
         SIX_BAR,
         six_bars(40, 4) | {"omega": 3.0},
@@ -279,22 +231,20 @@ def test_ranges_and_what_limits_them_are_verified(tmp_path: Any) -> None:
     assert {*np.unique(maps.theta_low_by)} == {0, 1, 2}
 
 
-def test_kernels_need_no_other_compiler() -> None:
+def test_kernels_of_extremes_need_no_other_compiler_and_have_gradients():
     # numba, which compiles what the translator refuses, takes half a minute for one
     wanted = ["F_x_max", "d_F_x_max_d_a1", "F_x_max_error", "F_x_extrema", "theta_low", "theta_low_by"]
     for kernel in resolve(SIX_BAR, TURNING | {"omega": 1.0}, wanted, branch=3).kernels:
         assert llvm_text(kernel.source)
-
-
-def test_gradients_of_extremes() -> None:
-    number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **_without("a1", "a5"))
+    given = {name: value for name, value in TURNING.items() if name not in ("a1", "a5")}
+    number = fl.function(SIX_BAR, ["a1", "a5"], ["F_x_max"], branch=3, omega=1.0, **given)
     start, step = np.array([0.1, 0.3]), 1e-6
     slope = [(number(start + step * e) - number(start - step * e))[0] / (2 * step) for e in np.eye(2)]
     # differences are off by the square of their step, and by a rounding over it
     assert np.allclose(number.gradient(start)[0], slope, rtol=0, atol=1e-8)
 
 
-def test_derivatives_at_limits_follow_these() -> None:
+def test_derivatives_at_limits_follow_these():
     designs = {
         name: of[200:] for name, of in four_bars(400, 4).items()
     }  # without those next to change points
@@ -311,7 +261,7 @@ def test_derivatives_at_limits_follow_these() -> None:
         assert (abs(a - b) <= 2.0**-26 * (1.0 + abs(a)))[moves].all(), name
 
 
-def test_derivatives_where_the_second_dyad_limits() -> None:
+def test_derivatives_where_the_second_dyad_limits():
     at = TURNING | {"a1": 0.3, "omega": 1.0}
     names = [f"{name}_{how}" for name in ("F_x", "angle_AB") for how in ("max", "min")]
     of = ["a1", "a3", "G_y", "a5"]
@@ -322,7 +272,3 @@ def test_derivatives_where_the_second_dyad_limits() -> None:
             slope = float(ends[1][name] - ends[0][name]) / 2e-6
             # differences are off by the square of their step, and by a rounding over it
             assert abs(float(found[f"d_{name}_d_{by}"]) - slope) < 1e-8 * (1.0 + abs(slope)), (name, by)
-
-
-def _without(*names: str) -> dict[str, float]:
-    return {name: value for name, value in TURNING.items() if name not in names}

@@ -1,6 +1,7 @@
 """Where the closed forms of section 3 hold, and what they leave undefined; their values are held by the loops."""
 
 import numpy as np
+from numpy.testing import assert_allclose, assert_array_equal
 
 import fastlink as fl
 from fastlink.mechanisms import catalogue
@@ -21,15 +22,13 @@ def test_the_closed_form_of_the_remark_and_where_it_holds():
     closes, above, forth = np.isfinite(found["psi"]), abs(B) < A, C >= 0
     meanings = np.vectorize(FLAGS["remark_status"].get)(found["remark_status"].astype(int))
     expected = np.select([~above, ~forth], ["A_not_above_the_size_of_B", "CB_past_pointing"], "holds")
-    np.testing.assert_array_equal(meanings[closes], expected[closes])
-    np.testing.assert_array_equal(np.isnan(found["delta"]), ~above)
-    np.testing.assert_array_equal(
-        found["CB_orientation"][closes & above], np.where(forth, 1, -1)[closes & above]
-    )
+    assert_array_equal(meanings[closes], expected[closes])
+    assert_array_equal(np.isnan(found["delta"]), ~above)
+    assert_array_equal(found["CB_orientation"][closes & above], np.where(forth, 1, -1)[closes & above])
     holds = closes & above & forth
-    np.testing.assert_array_equal(np.isnan(found["psi_remark"][closes]), ~holds[closes])
+    assert_array_equal(np.isnan(found["psi_remark"][closes]), ~holds[closes])
     # both angles are right to 12 roundings of what they were computed from, beside an end some 1e6 times that
-    np.testing.assert_allclose(found["psi_remark"][holds], found["psi"][holds], rtol=1e-8, atol=1e-8)
+    assert_allclose(found["psi_remark"][holds], found["psi"][holds], rtol=1e-8, atol=1e-8)
     assert holds.sum() > n // 20
     assert (closes & ~holds).sum() > n // 4
 
@@ -40,7 +39,7 @@ def test_what_a_lightlike_side_leaves_undefined():
     at = fl.evaluate("minkowski_4r", names, **design, x=[0.75, 1.5, 0.0, 0.25], y=[0.75, -0.5, 0.0, 0.125])
     told = [FLAGS["coupler_angles_status"][int(code)] for code in at["coupler_angles_status"]]
     assert told == ["AX_lightlike", "BX_lightlike", "AX_lightlike", "there"]
-    np.testing.assert_array_equal(np.isnan(at["gamma"]), [True, True, True, False])
-    np.testing.assert_array_equal(np.isnan(at["lambda_AX"]), [True, False, True, False])
-    np.testing.assert_array_equal(np.isnan(at["mu_BX"]), [False, True, False, False])
-    np.testing.assert_array_equal(at["r_AX"] == 0.0, [True, False, True, False])
+    assert_array_equal(np.isnan(at["gamma"]), [True, True, True, False])
+    assert_array_equal(np.isnan(at["lambda_AX"]), [True, False, True, False])
+    assert_array_equal(np.isnan(at["mu_BX"]), [False, True, False, False])
+    assert_array_equal(at["r_AX"] == 0.0, [True, False, True, False])

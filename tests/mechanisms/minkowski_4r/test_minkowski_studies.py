@@ -23,10 +23,7 @@ def examples(tmp_path_factory):
 
 
 def test_the_curves_of_the_examples_are_where_the_paper_says(examples):
-    """Figures 9 to 24: assembled up to theta_min and from theta_max on, there in both branches.
-
-    Their numbers are held in test_minkowski_types.py.
-    """
+    """Figures 9 to 24: assembled up to theta_min and from theta_max on, there in both branches."""
     lengths = [lengths for lengths, *_ in EXAMPLES.values()]
     np.testing.assert_array_equal(np.array([examples[name] for name in "abgh"]).T, lengths)
     cosh = np.cosh(examples.theta)
@@ -72,12 +69,8 @@ def by_the_theorems():
             elif T[1] == 0:
                 motion = "crank-crank" if T[0] > 0 else "crank-rocker"  # 3.21, and 3.11 for the output
             else:  # Table 3
-                types = {
-                    "++": "crank-crank",
-                    "+-": "rocker-crank",
-                    "-+": "rocker-rocker",
-                    "--": "crank-rocker",
-                }
+                types = {"++": "crank-crank", "+-": "rocker-crank"}
+                types |= {"-+": "rocker-rocker", "--": "crank-rocker"}
                 motion = types["".join(signs[:2])]
         counts[kind, motion, *signs] += 1
     return counts

@@ -5,6 +5,7 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import DIGITS
 from tests.support.sweeps import sweep_both
 
@@ -51,9 +52,6 @@ def decoded(name, values):
     meanings = np.full(max(flags) + 1, "", dtype=object)
     meanings[list(flags)] = list(flags.values())
     return meanings[np.asarray(values).astype(int)]
-
-
-# -- designs ------------------------------------------------------------------------------------------------
 
 
 def random_lengths(rng, n):
@@ -169,8 +167,6 @@ def at_theta_0(lengths):
     return b * (g - a), (g - a) ** 2 + b * b - h * h, b * (g - a)
 
 
-# -- what the paper prints ------------------------------------------------------------------------------------
-
 #: Section 3.7: lengths, the hyperbolic cosines of the limits, T1 to T5, at the branching points, the type.
 EXAMPLES = {
     1: ((1, 1, 4, 1), (1.625, 2.125, -2.125, -1.625), (3, -3, 1, 5, 5), 1.5, "strange_superrocker_crank"),
@@ -190,10 +186,10 @@ def test_the_examples_of_section_3_7(number):
     got = facts(lengths, tolerance=1e-15)
     names = ["cosh_theta_min", "cosh_theta_max", "cosh_psi_min", "cosh_psi_max"]
     # Printed to five digits, cut off.
-    np.testing.assert_allclose([got[name] for name in names], cosines, rtol=0, atol=1e-4)
-    np.testing.assert_allclose([got[f"T{i}"] for i in range(1, 6)], sums, rtol=0, atol=1e-15)
+    assert_allclose([got[name] for name in names], cosines, rtol=0, atol=1e-4)
+    assert_allclose([got[f"T{i}"] for i in range(1, 6)], sums, rtol=0, atol=1e-15)
     assert got["linkage_type"] == kind
-    np.testing.assert_allclose(got["cosh_theta_branching"], branching, rtol=0, atol=1e-4)
+    assert_allclose(got["cosh_theta_branching"], branching, rtol=0, atol=1e-4)
     assert got["branching_kind"] == ("isolated_one_root_at_infinity" if number == 1 else "none")
     if number == 2:
         binary = facts(lengths)
@@ -226,9 +222,6 @@ def test_theorem_3_22_and_table_3():
         assert np.all(got["linkage_type"][chosen] == kind)
         # Grashof's criterion does not tell these types apart.
         assert len(set(got["grashof"][chosen])) == 2
-
-
-# -- where the words of the theorems need CB of either orientation --------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -267,22 +260,19 @@ def test_limits_and_orientations_are_those_of_the_loop():
     closes = np.isfinite(found[0]["psi"])
     # a rocker stays within theta_min, a superrocker has a second range beyond theta_max, a crank has no limit
     cranks = (got["input_type"] == "crank")[:, None]
-    np.testing.assert_array_equal(closes, cranks | (theta <= inner) | (theta >= outer))
+    assert_array_equal(closes, cranks | (theta <= inner) | (theta >= outer))
     assert set(got["input_type"]) == set(got["output_type"]) == {"crank", "rocker", "superrocker"}
     ahead = [of["CB_orientation"] > 0 for of in found]
     inner, outer = (
         np.nan_to_num(limits[f"theta_{end}_future"], nan=x) for end, x in (("min", -1.0), ("max", 0.0))
     )
-    np.testing.assert_array_equal(ahead[0] | ahead[1], (theta <= inner) | (theta >= outer))
+    assert_array_equal(ahead[0] | ahead[1], (theta <= inner) | (theta >= outer))
     assert set(got["assembly_count_future"]) == {1.0, 2.0, 3.0}
     # with OA ahead, as it is here, the output is within its limits, and comes near to them
     inner, outer = (np.nan_to_num(limits[name], nan=-1.0) for name in ("psi_min_future", "psi_max"))
     for of, forth in zip(found, ahead, strict=True):
         size = np.where(forth, abs(of["psi"]), 0.0)
         assert ((size <= inner + 1e-9) | (size >= outer - 1e-9) | ~forth).all()
-
-
-# -- branching, escape, Grashof, status -----------------------------------------------------------------------
 
 
 def test_branching_is_where_q_is_minus_1_or_psi_is_undetermined():
@@ -295,7 +285,7 @@ def test_branching_is_where_q_is_minus_1_or_psi_is_undetermined():
     somewhere = ~everywhere & ((at_0 == 0.0) | (at_0 * slope < 0.0))
     # psi is undetermined where all three coefficients of the quadratic vanish.
     undetermined = np.all(np.array(at_theta_0(lengths)) == 0.0, axis=0)
-    np.testing.assert_array_equal(undetermined, (g == a) & (b == h))
+    assert_array_equal(undetermined, (g == a) & (b == h))
     kinds = np.select(
         [undetermined & everywhere, undetermined, everywhere, somewhere],
         [
@@ -306,16 +296,16 @@ def test_branching_is_where_q_is_minus_1_or_psi_is_undetermined():
         ],
         "none",
     )
-    np.testing.assert_array_equal(got["branching_kind"], kinds)
+    assert_array_equal(got["branching_kind"], kinds)
     assert len(set(kinds)) == 5
-    np.testing.assert_array_equal(~np.isnan(got["theta_branching"]), somewhere)
+    assert_array_equal(~np.isnan(got["theta_branching"]), somewhere)
     cosine = np.cosh(got["theta_branching"][somewhere])
     # Zero to the rounding of the cosine (4 units for cosh itself) and of four products.
     left = abs(at_0[somewhere] + slope[somewhere] * (cosine - 1.0))
     assert np.all(left <= 16 * UNIT_ROUNDING * (abs(at_0[somewhere]) + abs(slope[somewhere]) * cosine))
     with np.errstate(divide="ignore", invalid="ignore"):
         printed = (a * a - h * h) / (2.0 * a * (g - b)) + (g - b) / (2.0 * a)  # eq. (8)
-    np.testing.assert_allclose(got["cosh_theta_branching"][g != b], printed[g != b], rtol=1e-11, atol=1e-11)
+    assert_allclose(got["cosh_theta_branching"][g != b], printed[g != b], rtol=1e-11, atol=1e-11)
 
 
 def test_grashof_and_status_are_those_of_whole_lengths():
@@ -325,7 +315,7 @@ def test_grashof_and_status_are_those_of_whole_lengths():
     s, p, q, longest = np.sort(lengths, axis=0)
     expected = np.where(longest + s >= p + q, "l_plus_s_at_least_p_plus_q", "l_plus_s_below_p_plus_q")
     assert 0.1 < np.mean(longest + s >= p + q) < 0.9
-    np.testing.assert_array_equal(got["grashof"], expected)
+    assert_array_equal(got["grashof"], expected)
     x, y, z = at_theta_0(lengths)
     double = (y * y == 4.0 * x * z) & (abs(g - a) == abs(b - h))  # exact in whole numbers below 2^53
     expected = np.select(
@@ -334,8 +324,8 @@ def test_grashof_and_status_are_those_of_whole_lengths():
         "assembles_at_every_theta",
     )
     assert len(set(expected)) == 4
-    np.testing.assert_array_equal(got["status"], expected)
-    np.testing.assert_array_equal(expected == "assembles_over_part_of_theta", got["input_type"] != "crank")
+    assert_array_equal(got["status"], expected)
+    assert_array_equal(expected == "assembles_over_part_of_theta", got["input_type"] != "crank")
 
 
 def test_equal_lengths_part_the_ranges():
@@ -343,15 +333,12 @@ def test_equal_lengths_part_the_ranges():
     a, b, _, h = all_kinds(np.random.default_rng(23), 2000)
     h = np.where(b == h, b + 1.0, h)
     got = facts([a, b, a, h])
-    np.testing.assert_array_equal(got["assembly_count_future"], 2.0)
-    np.testing.assert_array_equal(got["theta_max_future"], 0.0)
+    assert_array_equal(got["assembly_count_future"], 2.0)
+    assert_array_equal(got["theta_max_future"], 0.0)
     got = facts([a, b, a + np.where(a > 1.0, -1.0, 1.0), b])
     # The same angle by two formulas, each right to 12 units of 2^-53.
-    np.testing.assert_allclose(got["theta_max"], got["theta_escape"], rtol=24 * UNIT_ROUNDING)
-    np.testing.assert_array_equal(got["theta_max_future"], got["theta_escape"])
-
-
-# -- signs and digits ------------------------------------------------------------------------------------------
+    assert_allclose(got["theta_max"], got["theta_escape"], rtol=24 * UNIT_ROUNDING)
+    assert_array_equal(got["theta_max_future"], got["theta_escape"])
 
 
 @pytest.mark.sample(2)
@@ -400,9 +387,6 @@ def test_angles_and_cosines_keep_every_digit(family):
             escape = abs(mp.log(mp.mpf(float(one[2])) / mp.mpf(float(one[0]))))
             assert abs(exact["theta_escape"] - escape) <= mp.mpf(10) ** -40 * (1 + escape)
     assert seen > 200
-
-
-# -- tolerance and bad input -----------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

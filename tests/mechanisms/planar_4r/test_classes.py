@@ -6,8 +6,15 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, LENGTHS, designs, random_lengths, reference
-from tests.support.curve_designs import apart_from_change_points
+from numpy.testing import assert_array_equal
+from tests.support.configurations import (
+    DIGITS,
+    LENGTHS,
+    apart_from_change_points,
+    designs,
+    random_lengths,
+    reference,
+)
 from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
@@ -76,7 +83,7 @@ def test_never_assembles_and_invalid():
     for name in LIMITS:
         assert np.all(np.isnan(got[name])), name
     # Longest and shortest against the other two means something without an assembly too.
-    np.testing.assert_array_equal(got["grashof_excess"], [3.0, 3.0, np.nan, np.nan, np.nan])
+    assert_array_equal(got["grashof_excess"], [3.0, 3.0, np.nan, np.nan, np.nan])
 
 
 @pytest.mark.parametrize(
@@ -120,7 +127,7 @@ def test_a_gap_counts_as_zero_where_it_is_within_the_rounding_of_the_lengths():
               for i in range(4) for by in (1e-20, 1e-8, 1.0, 1e8)]  # fmt: skip
     expected = [status_of(lengths) for lengths in cases]
     assert set(expected) == {0, 1, 2, 3}
-    np.testing.assert_array_equal(facts(*cases)["status"], expected)
+    assert_array_equal(facts(*cases)["status"], expected)
 
 
 def by_cosines(a, b, c, d):
@@ -176,24 +183,24 @@ def test_a_circuit_is_a_branch_of_a_full_turn_or_both_over_one_range_of_the_angl
     names = ["grashof_class", "circuit_count", "circuit", "theta2"]
     got = sweep_4r(space, names, theta1=np.linspace(-np.pi, np.pi, 721)[:-1] + 0.003)
     circuit, closes = got.circuit.values, np.isfinite(got.theta2.values)
-    np.testing.assert_array_equal(np.isfinite(circuit), closes)
+    assert_array_equal(np.isfinite(circuit), closes)
     turns = closes.all(axis=(1, 2))
     assert (circuit[turns] == circuit[turns, :, :1]).all()
     assert (circuit[turns, 0] != circuit[turns, 1]).all()
     # elsewhere both branches are of one circuit, which changes from one range to the next alone
     rocking, there = circuit[~turns], closes[~turns, 0]
-    np.testing.assert_array_equal(rocking[:, 0], rocking[:, 1])
+    assert_array_equal(rocking[:, 0], rocking[:, 1])
     following, both = np.roll(rocking[:, 0], 1, axis=-1), there & np.roll(there, 1, axis=-1)
-    np.testing.assert_array_equal(rocking[:, 0][both], following[both])
+    assert_array_equal(rocking[:, 0][both], following[both])
     ranges = (there & ~np.roll(there, 1, axis=-1)).sum(axis=-1)
     count = got.circuit_count.values
     # a range narrower than the distance of the angles may be missed
     seen = (ranges > 0) | (count[~turns] == 0)
     assert seen.mean() > 0.95
-    np.testing.assert_array_equal(count[~turns][seen], ranges[seen])
+    assert_array_equal(count[~turns][seen], ranges[seen])
     assert (count[turns] == 2).all()
     last = np.nanmax(np.where(there, rocking[:, 0], 0.0), axis=-1)
-    np.testing.assert_array_equal(last[seen], ranges[seen])
+    assert_array_equal(last[seen], ranges[seen])
     kinds = Counter(CLASS_FLAGS[int(code)] for code in got.grashof_class.values)
     assert len(kinds) == 9
     assert min(kinds.values()) >= 4
@@ -224,6 +231,6 @@ def test_counts(lengths, count):
         allow_invalid=True,
         **given,
     )
-    np.testing.assert_array_equal(got["circuit_count"], count)
+    assert_array_equal(got["circuit_count"], count)
     assert set(got["circuit"][np.isfinite(got["circuit"])]) <= {1.0, 2.0}
     assert np.all((got["circuit"] == 1) | np.isnan(got["circuit"])) or count == 2

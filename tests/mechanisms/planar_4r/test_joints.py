@@ -5,8 +5,8 @@ from fractions import Fraction
 import mpmath as mp
 import numpy as np
 import pytest
-from tests.support.configurations import DIGITS, LENGTHS, near_change_point, random_lengths
-from tests.support.curve_designs import design_of
+from numpy.testing import assert_array_equal
+from tests.support.configurations import DIGITS, LENGTHS, design_of, near_change_point, random_lengths
 
 import fastlink as fl
 from fastlink.facts.evaluate import read_facts
@@ -99,11 +99,11 @@ def test_status_tells_whether_the_driven_joint_turns(k):
     told = np.array([flags[int(code)] for code in driven["status"][:, 0]])
     kinds = ["rotates_fully", "never_assembles", "assembles_over_part_of_the_turn"]
     expected = np.select([closes.all(axis=1), ~closes.any(axis=1)], kinds[:2], kinds[2])
-    np.testing.assert_array_equal(told, expected)
+    assert_array_equal(told, expected)
     assert set(told) == set(kinds)
     # What belongs to the linkage does not depend on what drives.
     at_o = fl.evaluate("planar_4r", ["grashof_class"], theta1=0.0, **inputs)
-    np.testing.assert_array_equal(driven["grashof_class"][:, :1], at_o["grashof_class"])
+    assert_array_equal(driven["grashof_class"][:, :1], at_o["grashof_class"])
 
 
 def test_straight_joints_are_pi_and_infinite():
@@ -121,9 +121,6 @@ def test_straight_joints_are_pi_and_infinite():
         assert abs(got["v1"]) < 1e-16
         assert abs(got["joint_angle_3"]) < 1e-7
         assert abs(got["v3"]) < 1e-7
-
-
-# -- coefficients -------------------------------------------------------------------------------------------------
 
 
 def exact_equation(lengths, pair):
@@ -173,9 +170,7 @@ def test_io_coefficients_broadcast_and_keep_their_digits_near_change_points():
     design = design_of(np.linspace(0.4, 0.6, 3)[:, None], 1.2, [0.8, 0.9], 1.0)
     c = fl.planar.io_coefficients(design, pair="13")
     assert c.shape == (3, 2, 5)
-    np.testing.assert_array_equal(
-        c[1, 1], fl.planar.io_coefficients(design_of(0.5, 1.2, 0.9, 1.0), pair="13")
-    )
+    assert_array_equal(c[1, 1], fl.planar.io_coefficients(design_of(0.5, 1.2, 0.9, 1.0), pair="13"))
     lengths, _theta = near_change_point(np.random.default_rng(33), 50, 1e-13)
     got = fl.planar.io_coefficients(design_of(*lengths), pair="14")
     for k, one in enumerate(lengths.T.tolist()):

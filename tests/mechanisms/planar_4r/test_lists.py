@@ -1,12 +1,9 @@
 """Lists of extremes against exact algebra, which misses none and makes none up: the roots of polynomials."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import itertools
 import math
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -17,8 +14,9 @@ import numpy as np
 import pytest
 from flint import arb, fmpq, fmpq_poly, fmpz, fmpz_poly
 from flint.utils.flint_exceptions import DomainError
+from numpy.testing import assert_allclose
 from tests.mechanisms.test_extremes import near_cusps
-from tests.support.configurations import LENGTHS
+from tests.support.configurations import LENGTHS, numbers
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.sweeps import sweep_4r
 
@@ -47,10 +45,7 @@ LISTED += ("shaking_force", "F41_x", "F32_y", "P_ax")
 
 @dataclass(frozen=True)
 class Place:
-    """An extreme: the branch, tan(theta1/2) as a ball (None for pi), and whether it is a maximum (1) or not (-1).
-
-    `at_end` tells whether it is nearer to where links align than kernels tell apart: no list needs to hold it.
-    """
+    """An extreme: the branch, tan(theta1/2) as a ball (None for pi), and whether it is a maximum (1) or not (-1)."""
 
     branch: int
     t: Any
@@ -58,7 +53,7 @@ class Place:
     at_end: bool
 
     @property
-    def theta1(self) -> float:
+    def theta1(self):
         """The input angle, from 0 to a full turn; what differs from 0 by nothing is 0, on either side."""
         if self.t is not None and abs(self.t) < 2**-200:
             return 0.0
@@ -68,27 +63,27 @@ class Place:
 class Field:
     """Numbers (A + B y)/D, where y^2 is a polynomial; t goes from the polynomials' variable."""
 
-    def __init__(self, square: fmpq_poly) -> None:
+    def __init__(self, square):
         self.square, self.slope = square, square.derivative()
 
-    def __call__(self, a: Any, b: Any = 0, d: Any = 1) -> Number:
+    def __call__(self, a, b=0, d=1):
         return Number(self, fmpq_poly(a), fmpq_poly(b), fmpq_poly(d))
 
 
 class Number:
     """One number of a field."""
 
-    def __init__(self, field: Field, a: fmpq_poly, b: fmpq_poly, d: fmpq_poly) -> None:
+    def __init__(self, field, a, b, d):
         common = d.gcd(a).gcd(b) if d.degree() > 0 else d
         if common.degree() > 0:
             a, b, d = a // common, b // common, d // common
         scale = shared_factor(a, b, d)  # without it, integers grow to a million bits
         self.field, self.a, self.b, self.d = field, a / scale, b / scale, d / scale
 
-    def _of(self, other: Any) -> Number:
+    def _of(self, other):
         return other if isinstance(other, Number) else self.field([other])
 
-    def __add__(self, other: Any) -> Number:
+    def __add__(self, other):
         o = self._of(other)
         if self.d == o.d:
             return Number(self.field, self.a + o.a, self.b + o.b, self.d)
@@ -96,60 +91,60 @@ class Number:
         one, two = o.d // g, self.d // g
         return Number(self.field, self.a * one + o.a * two, self.b * one + o.b * two, self.d * one)
 
-    def __neg__(self) -> Number:
+    def __neg__(self):
         return Number(self.field, -self.a, -self.b, self.d)
 
-    def __sub__(self, other: Any) -> Number:
+    def __sub__(self, other):
         return self + (-self._of(other))
 
-    def __mul__(self, other: Any) -> Number:
+    def __mul__(self, other):
         o = self._of(other)
         a = self.a * o.a + self.b * o.b * self.field.square
         return Number(self.field, a, self.a * o.b + self.b * o.a, self.d * o.d)
 
     __radd__, __rmul__ = __add__, __mul__
 
-    def __rsub__(self, other: Any) -> Number:
+    def __rsub__(self, other):
         return self._of(other) - self
 
-    def inverse(self) -> Number:
+    def inverse(self):
         """Return 1 over the number."""
         norm = self.a * self.a - self.b * self.b * self.field.square
         return Number(self.field, self.a * self.d, -(self.b * self.d), norm)
 
-    def __truediv__(self, other: Any) -> Number:
+    def __truediv__(self, other):
         return self * self._of(other).inverse()
 
-    def derivative(self) -> Number:
+    def derivative(self):
         """Return the derivative by t; y' is y y^2'/(2 y^2)."""
         a, b, d, square = self.a, self.b, self.d, self.field.square
         top, slope = a.derivative() * d - a * d.derivative(), b.derivative() * d - b * d.derivative()
         one = Number(self.field, top, slope, d * d)
         return one + Number(self.field, fmpq_poly([0]), b * self.field.slope, 2 * d * square)
 
-    def by_theta(self) -> Number:
+    def by_theta(self):
         """Return the derivative by theta1 = 2 atan t."""
         return Number(self.field, fmpq_poly([1, 0, 1]), fmpq_poly([0]), fmpq_poly([2])) * self.derivative()
 
 
-def shared_factor(*polynomials: fmpq_poly) -> fmpq:
+def shared_factor(*polynomials):
     """Return the greatest rational number that leaves polynomials with integers for coefficients."""
     denominator = functools.reduce(fmpz.lcm, (p.denom() for p in polynomials))
     contents = (p.numer().content() * (denominator // p.denom()) for p in polynomials)
     return fmpq(functools.reduce(fmpz.gcd, contents), denominator)
 
 
-def exact(x: Any) -> fmpq:
+def exact(x):
     """Return a double or fraction as a rational number."""
     fraction = Fraction(x)
     return fmpq(fraction.numerator, fraction.denominator)
 
 
-def zeroed(lengths: Any) -> tuple[Fraction, ...]:
+def zeroed(lengths):
     """Return lengths in which each gap within their rounding is zero: the nearest ones in the sum of squares."""
     a = [Fraction(float(length)) for length in lengths]
     rounding = Fraction(2) ** -53 * sum(a)
-    rows: list[list[Fraction]] = []
+    rows = []
     for signs in GAPS:
         gap = sum(s * length for s, length in zip(signs, a, strict=True))
         if abs(gap) <= rounding:
@@ -168,32 +163,30 @@ def zeroed(lengths: Any) -> tuple[Fraction, ...]:
 Vector = tuple[Number, Number]
 
 
-def add(*vectors: Vector) -> Vector:
+def add(*vectors):
     return sum((v[0] for v in vectors[1:]), vectors[0][0]), sum((v[1] for v in vectors[1:]), vectors[0][1])
 
 
-def times(factor: Any, v: Vector) -> Vector:
+def times(factor, v):
     return factor * v[0], factor * v[1]
 
 
-def turned(v: Vector) -> Vector:
+def turned(v):
     return -v[1], v[0]
 
 
-def cross(v: Vector, w: Vector) -> Number:
+def cross(v, w):
     return v[0] * w[1] - v[1] * w[0]
 
 
-def dot(v: Vector, w: Vector) -> Number:
+def dot(v, w):
     return v[0] * w[0] + v[1] * w[1]
 
 
 class Linkage:
     """The planar 4R of some inputs over its field."""
 
-    def __init__(
-        self, inputs: Mapping[str, float], turn: int = 0, *, zeroes: bool = True, sense: int = 1
-    ) -> None:
+    def __init__(self, inputs, turn=0, *, zeroes=True, sense=1):
         self.sense = sense
         self.given = {name: exact(value) for name, value in inputs.items()}
         lengths = [inputs[f"a{i}"] for i in (1, 2, 3, 4)]
@@ -217,31 +210,31 @@ class Linkage:
         self.output = times(1 / a3, add(self.B, times(-1, self.D)))
         self.omega, self.alpha = (self.of(name) for name in ("omega1", "alpha1"))
 
-    def of(self, name: str) -> fmpq:
+    def of(self, name):
         """Return an input, 0 where it is not given."""
         return self.given.get(name, fmpq(0))
 
-    def rate(self, x: Number) -> Number:
+    def rate(self, x):
         return self.omega * x.by_theta()
 
-    def second(self, x: Number) -> Number:
+    def second(self, x):
         first = x.by_theta()
         return self.omega**2 * first.by_theta() + self.alpha * first
 
-    def turning(self, direction: Vector) -> Number:
+    def turning(self, direction):
         """Return how fast a direction turns over theta1."""
         return cross(direction, tuple(x.by_theta() for x in direction))
 
-    def spin(self, direction: Vector) -> Number:
+    def spin(self, direction):
         """Return the angular acceleration of a direction."""
         first = self.turning(direction)
         return self.omega**2 * first.by_theta() + self.alpha * first
 
-    def point(self, at: Vector, along: Vector, name: str) -> Vector:
+    def point(self, at, along, name):
         """Return a point of a link."""
         return add(at, times(self.of(f"{name}_u"), along), times(self.of(f"{name}_v"), turned(along)))
 
-    def quantity(self, name: str) -> Number:
+    def quantity(self, name):
         """Return a quantity, or the square of a magnitude; the curvature by its slope, see `slope`."""
         if name in ("omega2", "omega4"):
             return self.omega * self.turning(self.coupler if name == "omega2" else self.output)
@@ -255,7 +248,7 @@ class Linkage:
             return self.second(P[0])
         return self.force(name, P)
 
-    def slope(self, name: str) -> Number:
+    def slope(self, name):
         """Return what has the sign of the slope over theta1."""
         if name != "curvature":
             return self.quantity(name).derivative()
@@ -264,7 +257,7 @@ class Linkage:
         area, square = cross(first, tuple(x.by_theta() for x in first)), dot(first, first)
         return 2 * area.by_theta() * square - 3 * area * square.by_theta()
 
-    def force(self, name: str, P: Vector) -> Number:
+    def force(self, name, P):
         """Return a force, a component or the square of its size, or the torque."""
         starts, directions = (self.A, self.D), (self.crank, self.coupler, self.output)
         zero = self.field([0])
@@ -302,19 +295,19 @@ class Linkage:
         force, part = name.split("_")
         return forces[force]["xy".index(part)]
 
-    def against(self, name: str) -> Vector:
+    def against(self, name):
         """Return a load or gravity with its sign changed."""
         return tuple(self.field([-self.of(f"{name}_{axis}")]) for axis in "xy")
 
 
-def real_roots(polynomial: fmpq_poly) -> list[arb]:
+def real_roots(polynomial):
     """Return the real roots of a polynomial without multiplicity, as balls apart from each other."""
     whole = fmpz_poly([int(c) for c in (polynomial * polynomial.denom()).coeffs()])
     factors = (factor for factor, _ in whole.factor_squarefree()[1])
     return [root.real for factor in factors for root, _ in factor.complex_roots() if root.imag == 0]
 
 
-def value_at(polynomial: fmpq_poly, t: arb) -> arb:
+def value_at(polynomial, t):
     """Return the value at a ball."""
     value = arb(0)
     for c in reversed(polynomial.coeffs()):
@@ -322,7 +315,7 @@ def value_at(polynomial: fmpq_poly, t: arb) -> arb:
     return value
 
 
-def square_root(polynomial: fmpq_poly) -> fmpq_poly | None:
+def square_root(polynomial):
     """Return the square root of a polynomial where it is one."""
     try:
         return polynomial.sqrt()
@@ -335,12 +328,9 @@ class Unsettled(Exception):
 
 
 class Slopes:
-    """The slope of a quantity on both branches: one number of a field, or two rational functions.
+    """The slope of a quantity on both branches: one number of a field, or two rational functions."""
 
-    With a load that goes with the square of a rate there are as many for each sense of the rate.
-    """
-
-    def __init__(self, inputs: Mapping[str, float], name: str, zeroes: bool) -> None:
+    def __init__(self, inputs, name, zeroes):
         first = Linkage(inputs, 1, zeroes=zeroes)
         self.square, self.root = first.square, first.root
         self.lengths = [inputs[f"a{i}"] for i in (2, 3)]
@@ -354,14 +344,14 @@ class Slopes:
         self.rates = [case.omega * case.turning(case.output) for case in cases[: len(turns)]]
 
     @cached_property
-    def limits(self) -> fmpq_poly:
+    def limits(self):
         """What vanishes where the slope has no value."""
         return self.square * math.prod((number.d for number in self.numbers), start=fmpq_poly([1]))
 
     @cached_property
-    def zeros(self) -> list[fmpq_poly]:
+    def zeros(self):
         """What vanishes where a slope does, but at limits; no two of them have a root in common."""
-        found: list[fmpq_poly] = []
+        found = []
         for n in self.numbers:
             norm = n.a * n.a - n.b * n.b * self.square
             for other in (self.limits, *found) if norm != 0 else ():
@@ -370,7 +360,7 @@ class Slopes:
             found += [norm] if norm != 0 else []
         return found
 
-    def at_end(self, t: arb | None) -> bool:
+    def at_end(self, t):
         """Tell whether a place is next to where links align, see `AT_FOLD`."""
         share = arb(self.square[4]) if t is None else value_at(self.square, t) / (1 + t * t) ** 2
         sine = float(share.sqrt().mid()) / (2.0 * self.lengths[0] * self.lengths[1])
@@ -378,7 +368,7 @@ class Slopes:
         fold = (at_0 and self.folds[0]) or (at_pi and self.folds[1])
         return sine < (AT_FOLD if fold else AT_TOGGLE)
 
-    def sign(self, branch: int, t: arb) -> int:
+    def sign(self, branch, t):
         """Return the sign on a branch, 0 where the linkage does not assemble or the quantity is constant."""
         under, side = value_at(self.square, t), 1 if branch == 2 else -1
         if not under > 0:
@@ -392,7 +382,7 @@ class Slopes:
         return _sign(self.numbers[k], t, area)
 
 
-def _sign(number: Number, t: arb, area: arb) -> int:
+def _sign(number, t, area):
     """Return the sign of a number where y is `area`."""
     if number.a == 0 and number.b == 0:
         return 0
@@ -402,7 +392,7 @@ def _sign(number: Number, t: arb, area: arb) -> int:
     return 1 if value > 0 else -1
 
 
-def exact_extrema(inputs: Mapping[str, float], name: str, *, zeroes: bool = True) -> list[Place]:
+def exact_extrema(inputs, name, *, zeroes=True):
     """Return every extreme of a quantity of one design, by branch and input angle.
 
     Places where the linkage folds or toggles are none. `zeroes` tells whether a gap within the rounding of the lengths
@@ -418,7 +408,7 @@ def exact_extrema(inputs: Mapping[str, float], name: str, *, zeroes: bool = True
     raise AssertionError(f"a sign is not settled with {BITS[-1]} bits")
 
 
-def _changes(slopes: Slopes, marks: list[tuple[Any, bool]]) -> Iterator[Place]:
+def _changes(slopes, marks):
     """Yield where the slope changes its sign; a mark tells whether it is 0 there, or has no value."""
     places = [root for root, _ in marks]
     if not all(one < other for one, other in itertools.pairwise(places)):
@@ -436,7 +426,7 @@ def _changes(slopes: Slopes, marks: list[tuple[Any, bool]]) -> Iterator[Place]:
                 yield Place(branch, root, before, slopes.at_end(root))
 
 
-def exact_mid(one: arb, other: arb) -> arb:
+def exact_mid(one, other):
     """Return a number between two, of few bits, nearer in ratio than in distance where they are far from each other."""
     low, high = one.upper(), other.lower()
     return (low * high).sqrt() * (1 if low > 0 else -1) if low * high > 0 else (low + high) / 2
@@ -498,7 +488,9 @@ def differing(designs, name):
         for zeroes in (True, False):
             places = exact_extrema(inputs, name, zeroes=zeroes) if wrong else []
             for turn in TURNS:
-                exact = {b: in_order([place for place in places if place.branch == b], turn) for b in wrong}
+                # from minima to maxima at one angle
+                places.sort(key=lambda place: (0.0 if place.theta1 > turn else place.theta1, place.kind))
+                exact = {b: [place for place in places if place.branch == b] for b in wrong}
                 shown = {b: in_one_order(*lists[b], turn) for b in wrong}
                 if zeroes:
                     kinds = {b: [place.kind for place in exact[b]] for b in wrong}
@@ -512,11 +504,6 @@ def differing(designs, name):
 #: Where the turn begins anew: a place as near to it may be on either side of the fold there, as pi in doubles is off by
 #: 2^-53. Both readings are right.
 TURNS = (2 * np.pi, 2 * np.pi - 2.0**-49)
-
-
-def in_order(places, turn):
-    """Return exact places in the order of their input angles, from minima to maxima at one angle."""
-    return sorted(places, key=lambda place: (0.0 if place.theta1 > turn else place.theta1, place.kind))
 
 
 def in_one_order(kinds, values, bounds, count, places, turn):
@@ -542,7 +529,7 @@ def told(exact, kinds, values, bounds, count):
     # no bound can tell that an empty list lacks an extreme; of a list that is not shown whole the count tells it
     if count > len(kinds) or alike(exact, kinds, count) or np.isinf(bounds[: max(count, 1)]).all():
         return True
-    runs: list[list[int]] = [[0]]
+    runs = [[0]]
     for k in range(1, count):
         near = abs(values[k] - values[k - 1]) <= bounds[k] + bounds[k - 1]
         runs = [*runs[:-1], [*runs[-1], k]] if near else [*runs, [k]]
@@ -551,9 +538,6 @@ def told(exact, kinds, values, bounds, count):
     choices = itertools.product(*ways)
     return any([int(kinds[k]) for run in choice for k in run] == exact for choice in choices)
 
-
-# -- each list is exact
-# ----------------------------------------------------------------------------------------------
 
 #: Lists that once lacked a pair, by quantity: a maximum and a minimum lie closer than two samples of the graded range.
 CLOSE_PAIRS = {
@@ -607,29 +591,18 @@ def test_lists_of_rates_hold_the_exact_extremes(rate, few, part):
 
 
 #: In which two extremes of F41 stand between two samples, beside a third.
-NARROW = {
-    "a1": 0.8864707860744057,
-    "a2": 1.9225578973808017,
-    "a3": 2.6924029358619537,
-    "a4": 3.728478244413491,
-}
-NARROW |= {"omega1": 18.550515413993015, "m1": 0.0018364371402731585, "I1": 0.5333531266423142}
-NARROW |= {"G1_u": 2.0744880738446536, "G1_v": 2.4755016543218424, "m2": 2.247926956061958}
-NARROW |= {"I2": 0.0006353769234236988, "G2_u": 1.7016715670747224, "G2_v": -0.2310316084531454}
-NARROW |= {
-    "m3": 8.579832518555953,
-    "I3": 0.015982671751956518,
-    "G3_u": 2.167301101251959,
-    "G3_v": 0.06640858519244963,
-}
+NARROW = numbers(
+    "a1=0.8864707860744057 a2=1.9225578973808017 a3=2.6924029358619537 a4=3.728478244413491 "
+    "omega1=18.550515413993015 m1=0.0018364371402731585 I1=0.5333531266423142 G1_u=2.0744880738446536 "
+    "G1_v=2.4755016543218424 m2=2.247926956061958 I2=0.0006353769234236988 G2_u=1.7016715670747224 "
+    "G2_v=-0.2310316084531454 m3=8.579832518555953 I3=0.015982671751956518 G3_u=2.167301101251959 "
+    "G3_v=0.06640858519244963"
+)
 #: With an extreme at 6e-5 from a toggle, where the slope of the last sample is exactly 0.
-BESIDE_TOGGLE = {"a1": 0.68165602665439, "a2": 1.1857785897052784, "a3": 0.6455817174867152}
-BESIDE_TOGGLE |= {
-    "a4": 1.221852908872953,
-    "P_u": 0.9839053205308379,
-    "P_v": 1.7795725244785152,
-    "omega1": 1.0,
-}
+BESIDE_TOGGLE = numbers(
+    "a1=0.68165602665439 a2=1.1857785897052784 a3=0.6455817174867152 a4=1.221852908872953 "
+    "P_u=0.9839053205308379 P_v=1.7795725244785152 omega1=1"
+)
 SINGLE = {"F41": NARROW, "curvature": BESIDE_TOGGLE}
 
 
@@ -640,18 +613,17 @@ def test_lists_hold_extremes_that_samples_do_not_show(name):
     assert differing(designs, name) == (0, 0, 2)
 
 
-def test_lists_of_a_curvature_hold_the_exact_extremes():
+def test_lists_hold_the_extremes_of_curvatures_beside_kinks_and_beside_folds():
     assert differing(ordinary(np.random.default_rng(3), 16, masses=False), "curvature") == (0, 0, 32)
-
-
-def test_lists_hold_the_extremes_on_both_sides_of_a_kink_of_the_slope():
-    """Some of these lists lacked a pair: within 1e-5 rad the slope dips below zero as a load turns with a rate."""
+    # Some of these lists lacked a pair: within 1e-5 rad the slope dips below zero as a load turns with a
+    # rate.
     designs = with_turning_load(np.random.default_rng(5), 20)
     assert differing({name: values[:10] for name, values in designs.items()}, "F32_y") == (0, 0, 20)
+    # The slope of the last sample is exactly 0: the zero of rounding stood for that at 1e-6 of the fold.
+    folded = folded_planar_4r(np.random.default_rng(12), 150)
+    assert differing({key: values[120:121] for key, values in folded.items()}, "F32_y") == (0, 0, 2)
+    assert differing({name: np.array([value]) for name, value in CUSP.items()}, "curvature") == (1, 0, 2)
 
-
-# -- or has no bound
-# -------------------------------------------------------------------------------------------------
 
 #: Near kites that are change points: beside their folds accelerations of the output link are differences of numbers up
 #: to 1e32 times as great, whose rounding once was 2 to 4 entries of a list.
@@ -694,24 +666,11 @@ def test_lists_that_rounding_hides_extremes_of_have_no_bound(name, drawn):
     assert ((~undecided) & (np.isnan(values) != np.isnan(bounds)).any("extremum")).sum() == 0
 
 
-def test_an_extreme_beside_a_fold_is_listed_where_the_slope_at_the_fold_is_rounding():
-    """The slope of the last sample is exactly 0: the zero of rounding stood for that at 1e-6 of the fold."""
-    folded = folded_planar_4r(np.random.default_rng(12), 150)
-    assert differing({key: values[120:121] for key, values in folded.items()}, "F32_y") == (0, 0, 2)
-
-
 #: A coupler point that passes its instant centre: a curvature below -1e15 between two of 201 within 7e-5 rad.
-CUSP = {
-    "a1": 0.21644546641606582,
-    "a2": 1.1990216170505517,
-    "a3": 2.1434978036656838,
-    "a4": 1.1609216525989083,
-}
-CUSP |= {"omega1": 1.0, "P_u": -6.399469951710982, "P_v": -5.341676966630802}
-
-
-def test_a_list_that_lacks_extremes_within_a_peak_has_no_bound():
-    assert differing({name: np.array([value]) for name, value in CUSP.items()}, "curvature") == (1, 0, 2)
+CUSP = numbers(
+    "a1=0.21644546641606582 a2=1.1990216170505517 a3=2.1434978036656838 a4=1.1609216525989083 omega1=1 "
+    "P_u=-6.399469951710982 P_v=-5.341676966630802"
+)
 
 
 #: Many designs, by what is hard about them: how they are drawn and of which quantities. Exact algebra of forces takes
@@ -742,23 +701,15 @@ def test_many_lists_hold_the_exact_extremes_or_have_no_bound(kind, name):
     assert differ == 0 or differ < MOST.get((kind, name), MOST[kind]) * of
 
 
-# -- what a list is
-# --------------------------------------------------------------------------------------------------
-
-
-def listed(designs, names, **options):
-    """Return value, theta1, count and kind of the lists of quantities, by name."""
-    parts = ("{}_extrema", "theta1_at_{}_extrema", "{}_extrema_count", "{}_extrema_kind")
-    maps = sweep_4r(fl.table(designs), [f"{name}_extrema" for name in names], **options)
-    return {name: [maps[part.format(name)] for part in parts] for name in names}
-
-
 @pytest.mark.parametrize(
     ("lengths", "omega1", "most"), [((0.4, 1.2, 0.8, 1.0), 0.0, 0.0), ((1.0, 1.0, 1.0, 5.0), 1.0, np.nan)]
 )
 def test_what_is_constant_or_never_assembles_has_no_extremum(lengths, omega1, most):
     designs = by_lengths(np.array([lengths]).T, omega1)
-    for value, theta1, count, kind in listed(designs, RATES).values():
+    maps = sweep_4r(fl.table(designs), [f"{rate}_extrema" for rate in RATES])
+    for rate in RATES:
+        value, theta1 = maps[f"{rate}_extrema"], maps[f"theta1_at_{rate}_extrema"]
+        count, kind = maps[f"{rate}_extrema_count"], maps[f"{rate}_extrema_kind"]
         assert np.isnan([value.values, theta1.values]).all()
         assert not np.any(count)
         assert not np.any(kind)
@@ -775,5 +726,5 @@ def test_angles_of_a_kite_come_to_their_limits_at_the_fold():
     found = sweep_4r(space, ["theta4_max", "theta4_min", "theta2_max", "theta2_min"])
     for name in ("theta4", "theta2"):
         # half-turns to the last bit: pi is rounded, and so is the angle next to it
-        np.testing.assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)
-        np.testing.assert_allclose(found[f"{name}_min"], [-np.pi, 0.0], atol=2.0**-51)
+        assert_allclose(found[f"{name}_max"], [0.0, np.pi], atol=2.0**-51)
+        assert_allclose(found[f"{name}_min"], [-np.pi, 0.0], atol=2.0**-51)

@@ -1,7 +1,4 @@
-"""The planar 4R: both solvers, the mirror image of the motion, and loads of nothing.
-
-Its formulas are held by the loops (tests/precision/test_loops.py).
-"""
+"""The planar 4R: both solvers, the mirror image of the motion, and loads of nothing."""
 
 import numpy as np
 import pytest
@@ -31,9 +28,6 @@ MOMENTS = ["shaking_moment", "shaking_moment_at", "shaking_moment_printed"]
 SHAKING = ["shaking_force_x", "shaking_force_y", *MOMENTS]
 
 
-# -- digits -------------------------------------------------------------------------------------------------------
-
-
 def test_dense_and_eliminated_agree_under_all_loads():
     rng, n = np.random.default_rng(9), 300
     inputs = dict(zip(LENGTHS, random_lengths(rng, n), strict=True)) | masses_and_points(rng, n)
@@ -50,8 +44,6 @@ def test_dense_and_eliminated_agree_under_all_loads():
     for name in names:
         assert np.all(np.abs(eliminated[name] - dense[name])[closes] <= allowed[closes]), name
 
-
-# -- mirror, reversal, loads --------------------------------------------------------------------------------------
 
 EVERY = [
     name
@@ -127,7 +119,7 @@ def paths():
     return maps, np.stack([found["P_x"], found["P_y"]], axis=-1)
 
 
-def test_a_path_that_is_nearly_straight_has_the_narrowest_strip(paths):
+def test_paths_that_are_nearly_straight_or_round_have_the_narrowest_strip_and_ring(paths):
     """The reference is the convex hull. The sums of each point's distance have ten roundings of the path's size."""
     maps, points = paths
     whole = np.isfinite(points).all(axis=(-1, -2))
@@ -141,13 +133,10 @@ def test_a_path_that_is_nearly_straight_has_the_narrowest_strip(paths):
     assert (found[whole] >= exact[whole] - 10 * 2.0**-52 * size[whole]).all()
     assert np.median(found[whole] / exact[whole]) < 1.0 + 1e-12
     assert (found[whole] <= 1.05 * exact[whole]).all()
-
-
-def test_a_circle_is_round(paths):
-    """A coupler point in A runs on the circle of the crank; others are off the circle of the same fit by NumPy."""
+    # A coupler point in A runs on the circle of the crank; others are off the circle of the same fit by
+    # NumPy.
     crank = sweep_4r(fl.grid(**HOEKEN | {"P_u": 0.0}), ["P_roundness"], theta1=72)
     assert (crank.P_roundness < 20 * 2.0**-52).all()
-    maps, points = paths
     for design, branch in np.argwhere(np.isfinite(points).all(axis=(-1, -2)))[::40].tolist():
         own = points[design, branch] - points[design, branch].mean(axis=0)
         centre, *_ = np.linalg.lstsq(np.c_[own, np.ones(72)], (own * own).sum(axis=1), rcond=None)
@@ -206,9 +195,9 @@ def change_points(seed, n):
     return design
 
 
-def assert_infinite_where_they_grow(design):
-    """Return how many of the greatest forces of designs are infinite, and how many there are."""
-    n = design["a1"].size
+def test_forces_are_infinite_where_they_have_a_pole():
+    n = 500
+    design = change_points(1, n)
     asked = [f"{name}_{end}" for name in FORCES_POLE for end in ("max", "max_error")]
     maps = sweep_4r(fl.table(design), asked)
     infinite = 0
@@ -224,9 +213,5 @@ def assert_infinite_where_they_grow(design):
             np.testing.assert_array_equal(np.isinf(most), grows)
             assert np.all(np.isinf(maps[f"{name}_max_error"].sel(branch=branch).values[grows]))
             infinite += grows.sum()
-    return infinite, 2 * len(FORCES_POLE) * n
-
-
-def test_forces_are_infinite_where_they_have_a_pole():
-    infinite, of = assert_infinite_where_they_grow(change_points(1, 500))
+    of = 2 * len(FORCES_POLE) * n
     assert 0.2 * of < infinite < 0.8 * of

@@ -1,7 +1,4 @@
-"""The slider-crank: classes and dead centres by exact arithmetic, toggles, and links of round bars.
-
-Its formulas are held by the loops (tests/precision/test_loops.py).
-"""
+"""The slider-crank: classes and dead centres by exact arithmetic, toggles, and links of round bars."""
 
 import re
 from fractions import Fraction
@@ -28,9 +25,6 @@ STATUS_FLAGS = SLIDER_CRANK.facts["status"].flags
 def at(names, **given):
     with np.errstate(all="ignore"):
         return fl.evaluate("slider_crank", names, allow_invalid=True, **{"theta": 1.0} | given)
-
-
-# -- classes ------------------------------------------------------------------------------------------------------
 
 
 def exact_class(r, l, e):
@@ -80,9 +74,6 @@ def test_what_is_no_length_is_invalid(wrong):
     assert np.isnan(found["slider_position"])
 
 
-# -- dead centres, ranges -----------------------------------------------------------------------------------------
-
-
 @pytest.mark.parametrize(
     ("r", "l", "e"), [(0.05, 0.17, e) for e in (0.02, -0.02, 0.0, 0.1199)] + [(0.5, 0.75 + 2.0**-50, 0.25)]
 )
@@ -119,16 +110,10 @@ def test_ranges_are_where_the_rod_reaches_the_line(r, l, e):
     assert np.isnan(found["time_ratio"]) == (not l > r + abs(e))
 
 
-# -- extremes -----------------------------------------------------------------------------------------------------
-
-
-def swept(names, designs, **options):
-    return sweep_both("slider_crank", fl.table(designs), names, threads=1, **options)
-
-
 def test_beyond_a_toggle_rates_grow_without_bound():
     designs = {"r": [2.0], "l": [1.0], "e": [0.25], "omega": [1.0]}
-    found = swept(["slider_velocity_max", "slider_position_max", "omega2_max", "omega2_min"], designs)
+    names = ["slider_velocity_max", "slider_position_max", "omega2_max", "omega2_min"]
+    found = sweep_both("slider_crank", fl.table(designs), names)
     assert np.all(found.slider_velocity_max.values == np.inf)
     assert np.all(found.omega2_max.values == np.inf)
     assert np.all(found.omega2_min.values == -np.inf)
@@ -139,9 +124,6 @@ def test_beyond_a_toggle_rates_grow_without_bound():
     assert (there["slider_position"][0], abs(there["omega2"][0])) == (2.0, np.inf)
     assert np.isnan([there["slider_position"][1], there["omega2"][1]]).all()
     assert np.isfinite(there["A_x"][1])
-
-
-# -- textbooks, limits, studies -----------------------------------------------------------------------------------
 
 
 def test_links_of_a_round_bar_are_those_of_the_planar_4r_and_the_slider_s_mass_is_asked_for():

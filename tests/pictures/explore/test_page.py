@@ -7,6 +7,7 @@ import warnings
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.browser import PATIENCE, new_tab, opened
 from tests.support.sweeps import sweep_4r
 
@@ -159,18 +160,18 @@ def test_the_pixels_have_the_colours_of_the_values(tab, path):
 
 
 def test_a_slider_shows_another_slice(tab, path):
-    np.testing.assert_array_equal(shown_cells(tab), cells_of(path, a1=1))
+    assert_array_equal(shown_cells(tab), cells_of(path, a1=1))
     tab.locator("#slide-a1").focus()
     tab.keyboard.press("ArrowLeft")
     settled(tab, "!loading && design.at.a1 === 0")
-    np.testing.assert_array_equal(shown_cells(tab), cells_of(path, a1=0))
+    assert_array_equal(shown_cells(tab), cells_of(path, a1=0))
 
 
 def test_the_mechanism_is_that_of_the_design_under_the_cursor_and_its_extremes_are_marked(tab):
     design = middle(tab)
     place = state(tab, "design.motion.places(0.7, 1)")
     true = fl.evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y"], **design, theta1=0.7, branch=1)
-    np.testing.assert_allclose([*place["A"], *place["B"]], list(true.values()), rtol=1e-12)
+    assert_allclose([*place["A"], *place["B"]], list(true.values()), rtol=1e-12)
     assert tab.evaluate(INK) > 300  # and it is drawn: ink of the assembly mode on the canvas
     marks, bends = (
         [one["value"] for one in state(tab, f"design.motion.{of}', 1, design.motion.curve('{name}', 1))")]
@@ -179,10 +180,10 @@ def test_the_mechanism_is_that_of_the_design_under_the_cursor_and_its_extremes_a
     names = ["omega4_max", "omega4_min", "jerk4_extrema"]
     true = fl.sweep("planar_4r", fl.grid(**design, omega1=10.0), names, branch=1)
     # the place of an extreme is found to the root of a rounding, its value to its square
-    np.testing.assert_allclose(marks, [true.omega4_max, true.omega4_min], rtol=1e-12)
+    assert_allclose(marks, [true.omega4_max, true.omega4_min], rtol=1e-12)
     expected = true.jerk4_extrema.values[np.isfinite(true.jerk4_extrema.values)]
     assert len(expected) >= 3
-    np.testing.assert_allclose(np.sort(bends), np.sort(expected), rtol=1e-9)
+    assert_allclose(np.sort(bends), np.sort(expected), rtol=1e-9)
 
 
 def test_designs_are_locked_compared_and_written(tab, path):
@@ -264,7 +265,7 @@ def test_a_region_shows_its_best_designs_and_can_be_seen_alone(tab, path):
             settled(tab, f"region.largest === {str(largest).lower()} && region.best.length === 12")
             true = inside.fastlink.top(12, "omega4_max", largest=largest).omega4_max.values
             found = [float(maps.omega4_max.isel(at)) for at in listed(tab)]
-            np.testing.assert_array_equal(found, true)
+            assert_array_equal(found, true)
         rows = state(
             tab, "Object.fromEntries(region.fields.map((of, k) => [of.name, region.rows[k].length]))"
         )
@@ -274,7 +275,7 @@ def test_a_region_shows_its_best_designs_and_can_be_seen_alone(tab, path):
     with fl.open(path) as maps:
         inside = maps.isel(a2=slice(3, 12), a3=slice(4, 12))
         true = inside.fastlink.top(12, "omega4_max", largest=True).omega4_max.values
-        np.testing.assert_array_equal([float(maps.omega4_max.isel(at)) for at in listed(tab)], true)
+        assert_array_equal([float(maps.omega4_max.isel(at)) for at in listed(tab)], true)
     assert state(tab, "region.fields.map(of => of.name)")[:4] == ["a2", "a3", "a1", "branch"]
     tab.locator("#zoom").click()
     settled(tab, "view.values.length === 72 && !loading && region === null")
@@ -379,7 +380,7 @@ def test_a_cell_of_many_designs_shows_their_mean_once_a_slider_rests(browser, sh
             settled(tab, f"!loading && view.pooled === '{pool}'")
             found = shown_cells(tab).reshape(2, -1).T
             with warnings.catch_warnings(action="ignore", category=RuntimeWarning):
-                np.testing.assert_allclose(found, merge(cells, axis=1), rtol=2.0**-22)
+                assert_allclose(found, merge(cells, axis=1), rtol=2.0**-22)
         tab.locator("#choose-pool").select_option("one")
         settled(tab, "!loading && view.pooled === 'one'")
         fl.explore(maps, to=file, browser=False).close()
@@ -410,14 +411,8 @@ def coupler():
         P_u=0.5,
         P_v=0.3,
     )
-    names = [
-        "omega4_max",
-        "omega4_peak",
-        "omega4_rms",
-        "shaking_force_max",
-        "transmission_angle_min",
-        "P_y_min",
-    ]
+    names = ["omega4_max", "omega4_peak", "omega4_rms"]
+    names += ["shaking_force_max", "transmission_angle_min", "P_y_min"]
     codes, links = ["grashof_class", "status", "swing"], fl.round_bar(density=7750.0, radius=0.01)
     return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1)
 
@@ -516,13 +511,11 @@ def agree(tab, coupler):
     inputs, position, values, row = computed(tab, names)
     density, radius = inputs.pop("density"), inputs.pop("radius")
     true = fl.evaluate("planar_4r", names, **inputs, theta1=position, branch=1)
-    np.testing.assert_allclose(
-        [values[one] for one in names], [true[one] for one in names], rtol=1e-9, atol=1e-9
-    )
+    assert_allclose([values[one] for one in names], [true[one] for one in names], rtol=1e-9, atol=1e-9)
     links = fl.round_bar(density=density, radius=radius)
     wanted = fl.sweep("planar_4r", fl.grid(**inputs), list(row), links=links, branch=1)
     assert set(row) == set(coupler.data_vars)
-    np.testing.assert_allclose(list(row.values()), [float(wanted[one]) for one in row], rtol=1e-9)
+    assert_allclose(list(row.values()), [float(wanted[one]) for one in row], rtol=1e-9)
     return inputs
 
 
@@ -609,7 +602,7 @@ def test_a_joint_is_dragged(coupler, show, coupler_page, name, changed):
     for k in (1, 2, 3):
         tab.mouse.move(x + 4 * k, y - 3 * k)
     settled(tab, "!designing && state.cursor.free !== undefined")
-    np.testing.assert_allclose(joint(tab, name), [x + 12, y - 9 if name != "D" else y], atol=1.0)
+    assert_allclose(joint(tab, name), [x + 12, y - 9 if name != "D" else y], atol=1.0)
     tab.mouse.up()
     after = agree(tab, coupler)
     assert {one for one in after if after[one] != before[one]} == changed

@@ -15,6 +15,7 @@ from urllib.parse import quote, urlsplit
 import numpy as np
 import pytest
 import xarray as xr
+from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_both
 
@@ -135,7 +136,7 @@ def test_a_picture_and_a_row_hold_the_values_of_the_map(page, path, tmp_path):
     at, axes = {"a1": 1, "branch": 0}, ["a3", "a2"]
     with fl.open(path) as maps, fl.open(tmp_path / "small.h5") as compressed:
         expected = maps.omega4_max.isel(a1=1, branch=0).transpose("a3", "a2").values.astype("f4")
-        np.testing.assert_array_equal(Values(compressed).picture("omega4_max", (*axes,), at, {})[0], expected)
+        assert_array_equal(Values(compressed).picture("omega4_max", (*axes,), at, {})[0], expected)
         one = maps.isel(a1=1, a2=3, a3=4, branch=1)
         row = json.loads(ask(page, "row", {"at": {"a1": 1, "a2": 3, "a3": 4, "branch": 1}})[1])
         assert {name: float(value) for name, value in row.items()} == {
@@ -143,9 +144,9 @@ def test_a_picture_and_a_row_hold_the_values_of_the_map(page, path, tmp_path):
         }
     head, values = picture(page, axes=axes, at=at)
     assert head["steps"] == {"a2": 1, "a3": 1}
-    np.testing.assert_array_equal(values.reshape(expected.shape), expected)
+    assert_array_equal(values.reshape(expected.shape), expected)
     _, values = picture(page, axes=axes, at=at, window={"a2": [2, 4], "a3": [5, 5]})
-    np.testing.assert_array_equal(values, expected[5, 2:5])
+    assert_array_equal(values, expected[5, 2:5])
 
 
 @pytest.mark.parametrize(
@@ -163,7 +164,7 @@ def test_a_map_that_was_changed_is_shown_as_it_is_now(path, changed):
         with fl.explore(other, browser=False) as page:
             _, values = picture(page, axes=["a2", "a3"], at={"a1": 0, "branch": 0})
         expected = other.omega4_max.isel(a1=0, branch=0).values
-        np.testing.assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
+        assert_array_equal(values.reshape(expected.shape), expected.astype("f4"))
 
 
 @pytest.mark.parametrize("pool", ["mean", "least", "greatest"])
@@ -184,7 +185,7 @@ def test_a_cell_of_several_designs_is_made_of_all_of_them(pool, axes, monkeypatc
         expected = np.float32(merge(cell)) if cell.size else np.nan
         at = (i, j) if axes == ("a", "b") else (j, i)
         # a mean of six is added in another order; both are rounded to 24 bits
-        np.testing.assert_allclose(found[at], expected, rtol=2.0**-22)
+        assert_allclose(found[at], expected, rtol=2.0**-22)
 
 
 def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
@@ -193,10 +194,10 @@ def test_a_large_picture_is_read_at_the_resolution_of_a_screen():
     for name, pool in (("x", "one"), ("count", "mean")):  # of counts there is no mean
         values, steps, said = Values(maps).picture(name, ("b", "a"), {}, {}, pool)
         assert (steps, said) == ({"a": 5, "b": 1}, "one")
-        np.testing.assert_array_equal(values, maps[name].values[::5].T)
+        assert_array_equal(values, maps[name].values[::5].T)
     values, steps, _ = Values(maps).picture("x", ("a", "b"), {}, {"a": (10, 20)})
     assert steps == {"a": 1, "b": 1}
-    np.testing.assert_array_equal(values, maps.x.values[10:21])
+    assert_array_equal(values, maps.x.values[10:21])
 
 
 @pytest.mark.parametrize("block", [1, 100, 1 << 20])
@@ -210,7 +211,7 @@ def test_the_best_of_a_region_over_all_values_of_a_slider(page, path, block, mon
         inside = maps.isel(branch=0, a2=slice(3, 12), a3=slice(4, 12))
         true = inside.fastlink.top(12, "omega4_max").omega4_max.values
         best = [float(maps.omega4_max.isel(one["at"])) for one in found["best"]]
-    np.testing.assert_array_equal(best, true)
+    assert_array_equal(best, true)
     assert found["count"] == 3 * 9 * 8
     assert {one["at"]["a1"] for one in found["best"]} <= {0, 1, 2}
     assert len(found["values"]["omega4_max"]) == len(found["axes"]["a1"]) <= explore.MOST_ROWS
@@ -304,23 +305,23 @@ def test_a_page_moves_a_mechanism_as_a_picture_does(blank, mechanism, design):
     given = {"design": design, "positions": positions.tolist(), "names": names}
     found = blank.evaluate(task, [page | {"script": ""}, given])
     # bisection ends at neighbouring doubles; where the linkage just assembles, rounding decides within some of them
-    np.testing.assert_allclose(found["ranges"], motion.ranges, rtol=1e-7)
+    assert_allclose(found["ranges"], motion.ranges, rtol=1e-7)
     # each joint is where it was dragged to, by the changed inputs; those of the ground stay on its line
     for one in found["moves"]:
         dragged = Motion(mechanism, known, picture_of(mechanism, known), design | one["inputs"], (1,), None)
         place = dragged.places(np.array([one["position"]]))[one["name"]].ravel()
         kept = slice(0, 1) if one["fixed"] else slice(None)
-        np.testing.assert_allclose(place[kept], np.array(one["target"])[kept], rtol=1e-6, err_msg=one["name"])
+        assert_allclose(place[kept], np.array(one["target"])[kept], rtol=1e-6, err_msg=one["name"])
     # some hundred roundings, which these positions amplify by 1e3 at most: 1e2 * 2^-53 * 1e3 < 2e-11 of the size
     for name, place in motion.places(positions).items():
         if name in found["places"][0][0]:
             own = np.array([[modes[name] for modes in at] for at in found["places"]], dtype=float)
-            np.testing.assert_allclose(own, place.transpose(1, 0, 2), rtol=1e-10, atol=1e-10, err_msg=name)
+            assert_allclose(own, place.transpose(1, 0, 2), rtol=1e-10, atol=1e-10, err_msg=name)
     expected = motion.values(names, positions)
     for name, values in zip(names, found["values"], strict=True):
         own, true = np.array(values, dtype=float), expected[name].T
         size = np.abs(true[np.isfinite(true)]).max(initial=1e-3)
-        np.testing.assert_allclose(own, true, rtol=1e-9, atol=1e-9 * size, err_msg=name)
+        assert_allclose(own, true, rtol=1e-9, atol=1e-9 * size, err_msg=name)
 
 
 @pytest.mark.parametrize("mechanism", NAMES)
