@@ -669,7 +669,7 @@ def unknown_quantity(name: str, catalogue: Catalogue, over_cycle: bool = True) -
             what, remedy=f"write {new!r}, or 'least_transmission_angle' for the least acute angle"
         )
     of, unit = ending(name)
-    if is_unit(unit) and of in Results(catalogue):
+    if of and unit and is_unit(unit) and of in Results(catalogue):
         what = f"quantity {name!r}: results are in SI"
         return InputError(what, remedy=f"write {of!r}, and convert the result")
     same = find.squeezed(name)
