@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.configurations import numbers
+from tests.support.configurations import LENGTHS, numbers
 from tests.support.extremes import (
     QUIET,
     SEARCHED,
@@ -32,7 +32,6 @@ from fastlink.plan.programs import KnownProgram, make_plan
 from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
 
-LENGTHS = ("a1", "a2", "a3", "a4")
 PLANAR = SEARCHED[0]
 #: Some of each kind: accelerations, forces, a coordinate, an angle with kinks.
 SOME = {

@@ -152,7 +152,6 @@ REFUSED = {
     ),
     "unknown units": (r"e \[m\]", "e [metre]", "e has the units 'metre'"),
     "a name in loops": (r"r \* cos\(theta\)", "rr * cos(theta)", "rr of the loops is none of their unknowns"),
-    "a speed": ("slide by omega:", "slide by omegaa:", "omegaa of the loops is none of their unknowns"),
     "a tab": ("    rule: positive", "\trule: positive", "line 16: the line has a tab"),
     "no number": (r"= r \* sin_theta", "= r * (1.0 / 0.0)", "CA_y cannot be computed"),
     "status without codes": ("psi_acceleration ", "status ", "status has no code beyond_range"),
