@@ -1,9 +1,9 @@
 """Formula sheets: what each construct declares, and what is refused, with file, line, reason and remedy."""
 
 from fractions import Fraction
-from importlib import import_module
 
 import pytest
+from tests.support.registry import every_input
 from tests.support.toys import add, toy
 
 from fastlink.errors import InputError
@@ -396,12 +396,10 @@ def test_inputs_that_determine_each_other(made_catalogue):
         list(made_catalogue.dependencies(["r"], []))
 
 
-@pytest.mark.parametrize("mechanism", NAMES)
-def test_every_mechanism_is_declared_in_full(mechanism):
+@every_input
+def test_every_mechanism_is_declared_in_full(mechanism, drive):
     """What it takes 10 ms a catalogue to find out is found out here, not at each start of a program."""
-    driven = import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN
-    for position in (None, *driven):
-        find_catalogue(mechanism, position).check()
+    find_catalogue(mechanism, drive).check()
 
 
 def branching(x):
