@@ -222,8 +222,7 @@ def test_a_wrong_formula_is_a_mismatch_in_the_file(
 
 
 # == Values and bounds of many designs against the loops =====================================================
-# The reference shares no formula with the facts: `fastlink.precision.independent` on balls of python- flint, with
-# as many bits as it takes.
+# The reference shares no formula with the facts: `fastlink.precision.independent` on balls of many bits.
 
 #: Bits of the reference, each taken where the one before leaves something open.
 BITS = (256, 1024, 4096)

@@ -147,10 +147,7 @@ def assert_none_beyond(
     positions: np.ndarray,
     branches: Sequence[int] = (1, 2),
 ) -> dict[str, np.ndarray]:
-    """Assert that no value at the positions (designs, positions) is beyond greatest and least by the bounds of both.
-
-    Return the greatest and least values and their bounds, each (designs, branches).
-    """
+    """Assert that no value is beyond greatest and least by both bounds; return these, (designs, branches)."""
     ends = [f"{name}_{end}{of}" for name in names for end in SIGNS for of in ("", "_error")]
     maps = fl.sweep(mechanism, fl.table(designs), ends, input=drive, branch=branches, **QUIET)
     drive = str(maps.attrs["input"])
@@ -188,10 +185,7 @@ def held_slopes(
     *,
     places: bool,
 ) -> int:
-    """Hold derivatives of greatest and least values, or of their places, to their differences; return how many.
-
-    Those of extremes with a tie are left out.
-    """
+    """Hold derivatives of greatest and least values or places without a tie to differences; return how many."""
     catalogue, variants = entry.catalogue, entry.catalogue.variants_selected_by(designs)
     at = catalogue.position.name if places else ""
     cases = [(name, how, by) for name in quantities for how in SIGNS for by in inputs]

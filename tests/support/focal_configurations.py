@@ -14,17 +14,8 @@ LENGTHS = "abcd"
 #: rho near -1 has S and T far away, lambda near 0 (rho is then near -(a/b)^2, or -1) P and Q; near kites P and Q almost
 #: meet.
 FAMILIES = (
-    *(
-        "random",
-        "toggle 1e-3",
-        "toggle 1e-8",
-        "line 1e-3",
-        "line 1e-8",
-        "line 1e-12",
-        "kite 1e-3",
-        "kite 1e-8",
-    ),
-    *("scale 1e-20", "scale 1e20"),
+    *("random", "toggle 1e-3", "toggle 1e-8", "line 1e-3", "line 1e-8", "line 1e-12"),
+    *("kite 1e-3", "kite 1e-8", "scale 1e-20", "scale 1e20"),
 )
 
 
