@@ -19,7 +19,7 @@ from tests.mechanisms.linkages.declared import SIX_BAR
 from tests.support.compiled import assert_same_bits
 from tests.support.configurations import PLANAR, draw
 from tests.support.sweeps import sweep_4r, sweep_both
-from tests.support.toys import toy
+from tests.support.toys import declare_all, toy
 
 import fastlink as fl
 import fastlink.codegen.runtime
@@ -78,26 +78,16 @@ class Family:
 
 
 OWN = fl.extend("planar_4r")
-
-
-@OWN.quantity(units="N")
-def load(F21, F41):
-    """Greater force on the bearings of the crank."""
-    return max(F21, F41)
-
-
-@OWN.quantity(units="rad s-1")
-def lower(omega2, omega4):
-    """Rate of the coupler, or a thousand times the size of the output link's, which is less."""
-    return min(omega2, 1e3 * abs(omega4))
-
-
-@OWN.quantity(units="rad")
-def between(theta4, theta2):
-    """Angle between the coupler and the output link as the difference of two, which jump."""
-    return theta4 - theta2
-
-
+declare_all(
+    OWN,
+    {
+        "load(F21, F41)": ("N", "max(F21, F41)"),
+        # the rate of the coupler, or a thousand times the size of the output link's, which is less
+        "lower(omega2, omega4)": ("rad s-1", "min(omega2, 1e3 * abs(omega4))"),
+        # of two angles, which jump
+        "between(theta4, theta2)": ("rad", "theta4 - theta2"),
+    },
+)
 SAMPLED = {"extrema": "sampled"}
 MOTION = ["A_x", "theta4", "omega4", "alpha2"]
 REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]

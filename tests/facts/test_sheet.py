@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 from tests.support.registry import every_input
-from tests.support.toys import add, toy
+from tests.support.toys import add, function_of, toy
 
 from fastlink.errors import InputError
 from fastlink.facts.catalogue import ELIMINATED
@@ -402,29 +402,17 @@ def test_every_mechanism_is_declared_in_full(mechanism, drive):
     find_catalogue(mechanism, drive).check()
 
 
-def branching(x):
-    if x > 0:
-        return x
-    return -x
-
-
-def looping(x):
-    for _ in range(3):
-        x = x + 1
-    return x
-
-
-def powering(x):
-    return x**2
-
-
-def unfinished(x):
-    y = x  # noqa: F841
-
-
-@pytest.mark.parametrize("function", [branching, looping, powering, unfinished])
-def test_a_function_that_formulas_call_keeps_to_their_grammar(function):
-    graph = GraphAsWritten(())
+@pytest.mark.parametrize(
+    "text",
+    [
+        "if x > 0:\n        return x\n    return -x",
+        "for _ in range(3):\n        x = x + 1\n    return x",
+        "return x**2",
+        "y = x",
+    ],
+)
+def test_a_function_that_formulas_call_keeps_to_their_grammar(text):
+    graph, function = GraphAsWritten(()), function_of("f(x)", text)
     with pytest.raises(CatalogueError, match=r"formula of .* (has .*grammar|must end in its one return)"):
         graph.read(function, [graph.name("x")])
 

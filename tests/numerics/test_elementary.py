@@ -10,7 +10,6 @@ from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from pathlib import Path
 
-import mpmath
 import mpmath as mp
 import numpy as np
 import pytest
@@ -247,9 +246,9 @@ def rounded(function, angle):
 
     No value is within 2^-300 of a tie but those that are exact: their rest is zero.
     """
-    with mpmath.workprec(600 + 3 * abs(math.frexp(angle)[1])):
-        value = function(mpmath.mpf(angle))
-        return float(value), float(value - mpmath.mpf(float(value)))
+    with mp.workprec(600 + 3 * abs(math.frexp(angle)[1])):
+        value = function(mp.mpf(angle))
+        return float(value), float(value - mp.mpf(float(value)))
 
 
 def assert_correctly_rounded(function, has_low, angles):
@@ -323,9 +322,9 @@ def test_certainty_of_usual_angles_of_none_beyond_the_range_and_of_functions_wit
 def exact_parts(core, x):
     """Return the exact values of what a core of three doubles computes."""
     if core is multiple.circular:
-        return mpmath.cos(x), mpmath.sin(x)
-    y = mpmath.mpf(x) - int(core(x)[4]) * mpmath.ln2
-    return mpmath.cosh(y), mpmath.sinh(y)
+        return mp.cos(x), mp.sin(x)
+    y = mp.mpf(x) - int(core(x)[4]) * mp.ln2
+    return mp.cosh(y), mp.sinh(y)
 
 
 @pytest.mark.parametrize("core", [multiple.circular, multiple.hyperbolic])
@@ -337,37 +336,35 @@ def test_errors_stay_below_their_bounds(core):
         angles = angles[np.abs(angles) < 4e4]
         found = core(angles)
         for k, angle in enumerate(angles.tolist()):
-            with mpmath.workprec(1500):
+            with mp.workprec(1500):
                 for i, exact in enumerate(exact_parts(core, angle)):
                     parts, bound = [x[k] for x in found[2 * i]], found[2 * i + 1][k]
-                    error = abs(mpmath.fsum(map(mpmath.mpf, parts)) - exact)
+                    error = abs(mp.fsum(map(mp.mpf, parts)) - exact)
                     assert error <= bound, (kind, angle)
                     # 2^-100 of the square of the rest, 2^-22.7 at most, and of a table's value over 2^-11 or more
                     assert bound <= 2.0**-110 * abs(exact), (kind, angle)
 
 
 def test_constants_are_rounded_to_their_last_place():
-    with mpmath.workprec(400):
-        unit = mpmath.mpf(2) ** multiple.PLACES
-        assert int(mpmath.nint(mpmath.pi / 2 * unit)) == multiple.HALF_PI
-        assert int(mpmath.nint(mpmath.ln2 * unit)) == multiple.LOG_2
+    with mp.workprec(400):
+        unit = mp.mpf(2) ** multiple.PLACES
+        assert int(mp.nint(mp.pi / 2 * unit)) == multiple.HALF_PI
+        assert int(mp.nint(mp.ln2 * unit)) == multiple.LOG_2
         for grid, step in (
-            (multiple._circle(), mpmath.pi / 2 ** (multiple.HALVINGS + 1)),
-            (multiple._hyperbola(), mpmath.ln2 / 2**multiple.HALVINGS),
+            (multiple._circle(), mp.pi / 2 ** (multiple.HALVINGS + 1)),
+            (multiple._hyperbola(), mp.ln2 / 2**multiple.HALVINGS),
         ):
-            assert abs(mpmath.fsum(map(mpmath.mpf, grid.pieces)) - step) < mpmath.mpf(2) ** -190
+            assert abs(mp.fsum(map(mp.mpf, grid.pieces)) - step) < mp.mpf(2) ** -190
             assert all(math.frexp(piece)[0] * 2.0**multiple.PIECE_BITS % 1.0 == 0.0 for piece in grid.pieces)
             for k in (0, 1, 700, 1024, 1025, 2047, 2048):
                 angle = k * step if grid.sign < 0.0 else (k - multiple.STEPS // 2) * step
                 exact = (
-                    (mpmath.cos(angle), mpmath.sin(angle))
-                    if grid.sign < 0.0
-                    else (mpmath.cosh(angle), mpmath.sinh(angle))
+                    (mp.cos(angle), mp.sin(angle)) if grid.sign < 0.0 else (mp.cosh(angle), mp.sinh(angle))
                 )
                 for parts, value in zip(grid.at(float(k)), exact, strict=True):
                     assert (
-                        abs(mpmath.fsum(map(mpmath.mpf, parts)) - value)
-                        <= mpmath.mpf(2) ** -106 * abs(parts[1]) + mpmath.mpf(2) ** -240
+                        abs(mp.fsum(map(mp.mpf, parts)) - value)
+                        <= mp.mpf(2) ** -106 * abs(parts[1]) + mp.mpf(2) ** -240
                     )
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.reference import HighPrecision
@@ -28,6 +29,15 @@ def random_designs(rng, n, low=0.3, high=2.0):
         "completion": rng.integers(1, 3, n).astype(float),
         "branch": rng.integers(1, 3, n).astype(float),
     }
+
+
+def positions(seed, n, *names):
+    """Return positions in which the first of some quantities has a value, with these."""
+    rng = np.random.default_rng(seed)
+    inputs = random_designs(rng, n) | {"phi": rng.uniform(-np.pi, np.pi, n)}
+    found = inputs | fl.evaluate("focal", names, **inputs)
+    closes = np.isfinite(found[names[0]])
+    return {name: np.asarray(values)[closes] for name, values in found.items()}
 
 
 def near_kites(rng, n, size):

@@ -190,7 +190,7 @@ FOCAL = (
             few=10,
             many=600,
             # Where S is far away the changes of F with rho cancel, the roundings of s and r do not (6.2 at most).
-            # Others follow F_y, or are turned by the direction of AB, a product of five (5.6); S in its frame by both (8.7).
+            # Others follow F_y, or are turned by the direction of AB, a product of five (5.6); S there by both (8.7).
             long_chains=dict.fromkeys(("sigma", "alpha", "chi", "F_x", "F_y", "T_x", "T_y", "Y_x"), 8.0)
             | dict.fromkeys(("F_along_AB", "F_across_AB", "PSQT_x", "PFQX_x", "SFTY_x"), 8.0)
             | dict.fromkeys((*PIVOTS_SEEN_FROM_AB, "PSQT_radius", "sigma_rate", "dsigma_dphi"), 8.0)

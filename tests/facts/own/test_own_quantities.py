@@ -36,31 +36,19 @@ def cost(transmission_angle, omega4, omega1, weight):
     return weight * poor + speed**2
 
 
-@mine.quantity(units="N", description="Larger of the forces on the crank's bearings")
-def bearing_load(F21, F41):
-    return max(F21, F41)
-
-
-@mine.quantity(units="N")
-def smaller_load(F21, F41):
-    return np.minimum(F21, F41)
-
-
-@mine.quantity(units="1")
-def overload(bearing_load, F_allowed):
-    over = max(bearing_load / F_allowed - 1, 0)
-    return over**2
-
-
-@mine.quantity(units="rad")
-def off_right_angle(transmission_angle):
-    return abs(transmission_angle - math.pi / 2)
-
-
-@mine.quantity(units="1")
-def is_poor(transmission_angle):
-    return 1.0 if transmission_angle < 0.7 or transmission_angle > 2.4 else 0.0
-
+declare_all(
+    mine,
+    {
+        "bearing_load(F21, F41)": ("N", "max(F21, F41)"),
+        "smaller_load(F21, F41)": ("N", "np.minimum(F21, F41)"),
+        "overload(bearing_load, F_allowed)": ("1", "max(bearing_load / F_allowed - 1, 0) ** 2"),
+        "off_right_angle(transmission_angle)": ("rad", "abs(transmission_angle - math.pi / 2)"),
+        "is_poor(transmission_angle)": (
+            "1",
+            "1.0 if transmission_angle < 0.7 or transmission_angle > 2.4 else 0.0",
+        ),
+    },
+)
 
 DESIGNS = fl.sobol(64, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.1), a4=(0.9, 1.2), omega1=25.0, seed=3)
 #: Numbers of angles of a grid that is compared with extremes.
