@@ -4,7 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from tests.support.focal_configurations import random_designs
+from tests.support.focal_configurations import positions
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -16,12 +16,8 @@ POSITION = ("a", "b", "c", "d", "phi", "branch")
 @pytest.fixture(scope="module")
 def figure():
     """Positions that close, with F and the corners as complex numbers."""
-    rng = np.random.default_rng(21)
-    inputs = random_designs(rng, 3000) | {"phi": rng.uniform(-np.pi, np.pi, 3000)}
-    found = fl.evaluate("focal", ["A_x", "A_y", "B_x", "B_y", "F_x", "F_y"], **inputs)
-    closes = np.isfinite(found["F_x"])
-    values = {name: np.asarray(value)[closes] for name, value in inputs.items()}
-    values |= {joint: (found[f"{joint}_x"] + 1j * found[f"{joint}_y"])[closes] for joint in "ABF"}
+    values = positions(21, 3000, "F_x", "F_y", "A_x", "A_y", "B_x", "B_y")
+    values |= {joint: values[f"{joint}_x"] + 1j * values[f"{joint}_y"] for joint in "ABF"}
     return values | {"M": 0.0 * values["A"], "N": values["d"] + 0j}
 
 

@@ -5,7 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from tests.support.focal_configurations import random_designs
+from tests.support.focal_configurations import positions
 from tests.support.refusals import refused
 
 import fastlink as fl
@@ -15,18 +15,10 @@ from fastlink.precision.reference import CONTEXT as MP
 POSITION = ("a", "b", "c", "d", "phi", "branch")
 
 
-def configurations(n, seed=1):
-    """Return designs by rho in positions in which they close, with F and lambda."""
-    rng = np.random.default_rng(seed)
-    inputs = random_designs(rng, n) | {"phi": rng.uniform(-np.pi, np.pi, n)}
-    found = fl.evaluate("focal", ["F_x", "F_y", "lambda_", "F_x_error", "F_y_error"], **inputs)
-    closes = np.isfinite(found["F_x"])
-    return {name: np.asarray(values)[closes] for name, values in (inputs | found).items()}
-
-
 @pytest.fixture(scope="module")
 def known():
-    return configurations(3000)
+    """Designs by rho in positions in which they close, with F and lambda."""
+    return positions(1, 3000, "F_x", "F_y", "lambda_")
 
 
 @pytest.mark.parametrize("by", ["rho", "s", "lambda_"])
@@ -73,7 +65,7 @@ def test_the_ratios_are_those_of_the_triangles_in_exact_arithmetic():
 
 def test_the_angles_alone_make_the_same_mechanism_with_50_digits():
     """The paper's way: P and Q by the angles beta at B and alpha at A, (4.1) and (4.2)."""
-    one = {name: float(values[3]) for name, values in configurations(40, 5).items()}
+    one = {name: float(values[3]) for name, values in positions(5, 40, "F_x", "F_y").items()}
     made = fl.focal.from_point(*(one[name] for name in POSITION), x=one["F_x"], y=one["F_y"])
     value = {name: MP.mpf(float(number)) for name, number in made.values.items()}
     F, A, B = (MP.mpc(value[f"{joint}_x"], value[f"{joint}_y"]) for joint in "FAB")

@@ -1,7 +1,7 @@
 """The focal cubic: it goes through the points that the paper names, and its points are foci."""
 
 import numpy as np
-from tests.support.focal_configurations import random_designs
+from tests.support.focal_configurations import positions
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
@@ -9,15 +9,10 @@ from fastlink.numerics.compensated import UNIT_ROUNDING
 MANY = 20_000
 
 
-def positions(n, seed=1):
-    """Positions in which the four-bar assembles, with its corners as complex numbers."""
-    rng = np.random.default_rng(seed)
-    designs = random_designs(rng, n) | {"phi": rng.uniform(-np.pi, np.pi, n)}
-    found = fl.evaluate("focal", ["A_x", "A_y", "B_x", "B_y", "F_x", "F_y"], **designs)
-    closes = np.isfinite(found["B_x"])
-    inputs = {name: values[closes] for name, values in designs.items()}
-    A, B, F = (found[f"{point}_x"][closes] + 1j * found[f"{point}_y"][closes] for point in "ABF")
-    return inputs, A, B, F
+def with_corners(n, seed=1):
+    """Return positions in which the four-bar assembles, and A, B and F as complex numbers."""
+    found = positions(seed, n, "B_x", "B_y", "A_x", "A_y", "F_x", "F_y")
+    return found, *(found[f"{point}_x"] + 1j * found[f"{point}_y"] for point in "ABF")
 
 
 def cubic_of(inputs):
@@ -39,7 +34,7 @@ def assert_on(k, z):
 
 
 def test_it_goes_through_the_corners_and_where_opposite_sides_meet():
-    inputs, A, B, _ = positions(MANY)
+    inputs, A, B, _ = with_corners(MANY)
     k, d = cubic_of(inputs), inputs["d"] + 0j
     assert A.size > MANY // 2
     for corner in (0 * d, d):
@@ -62,7 +57,7 @@ def test_it_goes_through_the_corners_and_where_opposite_sides_meet():
 
 
 def test_every_F_is_on_it():
-    inputs, _, _, F = positions(MANY)
+    inputs, _, _, F = with_corners(MANY)
     k = cubic_of(inputs)
     sure = np.isfinite(F) & (np.abs(F) < 10.0)
     assert sure.sum() > MANY // 4
@@ -73,7 +68,7 @@ def test_every_F_is_on_it():
 
 
 def traced(n, samples=40, seed=1):
-    inputs, A, B, _ = positions(n, seed)
+    inputs, A, B, _ = with_corners(n, seed)
     found = fl.focal.cubic_points(
         *(inputs[name] for name in ("a", "b", "c", "d", "phi", "branch")), samples=samples
     )

@@ -3,16 +3,15 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
-from tests.support.configurations import LENGTHS, PLANAR, condition_sums, masses_and_points, random_lengths
+from tests.support.configurations import LENGTHS, PLANAR, masses_and_points, random_lengths
 from tests.support.refusals import refused
 from tests.support.registry import MULTIPLE
-from tests.support.sweeps import BARS, sweep_4r, sweep_both
+from tests.support.sweeps import BARS, CRANK, TURNING, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.request import selected_variants
-
-HAYES = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
+from fastlink.precision.reference import HighPrecision
 
 
 def test_force_balance_leaves_no_shaking_force():
@@ -29,8 +28,8 @@ def test_force_balance_leaves_no_shaking_force():
         got = fl.evaluate("planar_4r", [*names, "shaking_force"], **one)
         if np.isnan(got["shaking_force"]):
             continue
-        variants = selected_variants(PLANAR, None, "eliminated", one)
-        sums = condition_sums(names, one, variants)
+        facts = HighPrecision(PLANAR, names, one, selected_variants(PLANAR, None, "eliminated", one))
+        sums = facts.condition(facts.at(one), [name for name in one if name != "branch"])
         for name in names:
             # The exact force is zero but for the roundings of the weights, up to 8 of each term that they balance;
             # each term stands in the sum as that of a mass. The facts add their MULTIPLE.
@@ -44,9 +43,7 @@ def test_force_balance_leaves_no_shaking_force():
 
 
 def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radius():
-    design = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
-    bars = fl.round_bar(7750.0, 0.01)
-    by_default = fl.planar.force_balance(design, links=bars)
+    by_default = fl.planar.force_balance(CRANK, links=BARS)
     assert (by_default["counterweight1_radius"], by_default["counterweight3_radius"]) == (0.4, 0.8)
     # Mass centres at mid-length: products m1 a1/2 + m2 a1/2 and m3 a3/2 + m2 a3/2, opposite to the links.
     m1, m2, m3 = (7750.0 * np.pi * 1e-4 * a for a in (0.4, 1.2, 0.8))
@@ -54,18 +51,18 @@ def test_the_free_radius_or_mass_is_kept_and_the_link_itself_is_the_default_radi
     assert by_default["counterweight1_mass"] == pytest.approx((m1 + m2) / 2, rel=10 * UNIT_ROUNDING)
     assert by_default["counterweight3_mass"] == pytest.approx((m3 + m2) / 2, rel=10 * UNIT_ROUNDING)
     assert abs(by_default["counterweight1_direction"]) == np.pi
-    chosen = fl.planar.force_balance(design, links=bars, mass1=2.0)
+    chosen = fl.planar.force_balance(CRANK, links=BARS, mass1=2.0)
     product = chosen["counterweight1_mass"] * chosen["counterweight1_radius"]
     assert chosen["counterweight1_mass"] == 2.0
     assert product == pytest.approx(0.4 * (m1 + m2) / 2, rel=10 * UNIT_ROUNDING)
     with refused("radius1", "write one of them"):
-        fl.planar.force_balance(design, links=bars, radius1=0.1, mass1=2.0)
+        fl.planar.force_balance(CRANK, links=BARS, radius1=0.1, mass1=2.0)
     with pytest.raises(fl.InputError, match=r"(?s)m1 is missing .*m2 is missing .*; add it"):
-        fl.planar.force_balance(design)
+        fl.planar.force_balance(CRANK)
 
 
 def test_the_flywheel_takes_up_the_fluctuation_also_of_a_map_in_a_file(tmp_path):
-    maps = sweep_4r(fl.grid(**{**HAYES, "omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
+    maps = sweep_4r(fl.grid(**CRANK | {"omega1": [5.0, 25.0]}), ["T41_fluctuation"], links=BARS)
     inertia = fl.planar.flywheel_inertia(maps, C_s=0.02)
     assert inertia.dims == maps.T41_fluctuation.dims
     assert inertia.attrs["units"] == "kg m2"
@@ -83,7 +80,7 @@ def test_the_flywheel_takes_up_the_fluctuation_also_of_a_map_in_a_file(tmp_path)
 
 
 def test_table_3_as_it_follows_from_table_1():
-    design = fl.grid(**HAYES)
+    design = fl.grid(**TURNING)
     got = fl.sweep(
         "planar_4r", design, ["shaking_force_extrema", "shaking_moment_extrema"], links=BARS, branch=2
     ).squeeze()
@@ -103,7 +100,7 @@ def test_table_3_as_it_follows_from_table_1():
 def test_the_bound_and_the_printed_expression_of_table_3():
     curves = fl.sweep(
         "planar_4r",
-        fl.grid(**HAYES),
+        fl.grid(**TURNING),
         ["alpha4", "shaking_moment_printed"],
         links=BARS,
         branch=2,

@@ -6,13 +6,11 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import all_loads, family
 from tests.support.refusals import refused
-from tests.support.sweeps import BARS
+from tests.support.sweeps import BARS, CRANK
 
 import fastlink as fl
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.planar import SYSTEM
-
-TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
 
 
 @pytest.mark.parametrize("loaded", [False, True], ids=["no loads", "all loads"])
@@ -37,10 +35,10 @@ def test_the_solution_of_the_equations_are_the_joint_forces(loaded):
 def test_the_matrix_is_the_printed_one():
     """Moments of the joint forces about mass centres, written from the drawing: Fig. 2, r_ij from CG_i to joint j."""
     theta1 = 0.7
-    found = fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=theta1, branch=2, links=BARS)
+    found = fl.planar.force_equations(CRANK, omega1=25.0, theta1=theta1, branch=2, links=BARS)
     assert found.A.dims == ("equation", "unknown")
     assert found.b.dims == ("equation",)
-    points = fl.evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y"], **TABLE_1, theta1=theta1, branch=2)
+    points = fl.evaluate("planar_4r", ["A_x", "A_y", "B_x", "B_y"], **CRANK, theta1=theta1, branch=2)
     o, a, b, d = 0.0, complex(points["A_x"], points["A_y"]), complex(points["B_x"], points["B_y"]), 1.0
     column = {str(name): k for k, name in enumerate(found.unknown.values)}
     expected = np.zeros((9, 9))
@@ -61,50 +59,43 @@ def test_the_matrix_is_the_printed_one():
 
 def test_labels_of_the_inputs_are_those_of_the_equations():
     theta1 = xr.DataArray([0.5, 1.0, 1.5], dims="theta1", coords={"theta1": [0.5, 1.0, 1.5]})
-    found = fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=theta1, links=BARS)
+    found = fl.planar.force_equations(CRANK, omega1=25.0, theta1=theta1, links=BARS)
     assert found.A.dims == ("theta1", "equation", "unknown")
-    one = fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=1.0, links=BARS)
+    one = fl.planar.force_equations(CRANK, omega1=25.0, theta1=1.0, links=BARS)
     assert_array_equal(found.sel(theta1=1.0).A, one.A)
     assert float(one.b.sel(equation="inertia_moment1")) == 0.0
 
 
 def test_what_cannot_be_written_as_equations_is_refused():
     with refused("theta1", "give it in rad"):
-        fl.planar.force_equations(TABLE_1, omega1=25.0, links=BARS)
+        fl.planar.force_equations(CRANK, omega1=25.0, links=BARS)
     with refused("a1"):
-        fl.planar.force_equations(TABLE_1 | {"a1": -1.0}, omega1=25.0, theta1=1.0, links=BARS)
+        fl.planar.force_equations(CRANK | {"a1": -1.0}, omega1=25.0, theta1=1.0, links=BARS)
     with refused("a1", "leave one out"):
-        fl.planar.force_equations(TABLE_1, a1=1.0, omega1=25.0, theta1=1.0, links=BARS)
+        fl.planar.force_equations(CRANK, a1=1.0, omega1=25.0, theta1=1.0, links=BARS)
     with pytest.raises(fl.InputError, match=r"^force_equations: .*m1.* are missing"):
-        fl.planar.force_equations(TABLE_1, omega1=25.0, theta1=1.0)
+        fl.planar.force_equations(CRANK, omega1=25.0, theta1=1.0)
     with refused("links", "round_bar"):
-        fl.planar.bar_properties(TABLE_1, links=None)
+        fl.planar.bar_properties(CRANK, links=None)
     with refused("radius"):
-        fl.planar.bar_properties(TABLE_1, links=fl.round_bar(7750.0))
+        fl.planar.bar_properties(CRANK, links=fl.round_bar(7750.0))
 
 
 def test_table_1_of_the_paper():
-    bars = fl.planar.bar_properties(TABLE_1, links=BARS)
+    bars = fl.planar.bar_properties(CRANK, links=BARS)
     # four products, each of one rounding
     for i, (volume, mass) in enumerate(((1 / 25000, 0.31), (3 / 25000, 0.93), (1 / 12500, 0.62)), 1):
         assert abs(bars[f"volume{i}"] - np.pi * volume) <= 8 * UNIT_ROUNDING * volume * np.pi
         assert abs(bars[f"m{i}"] - np.pi * mass) <= 8 * UNIT_ROUNDING * mass * np.pi
     explicit = {name: value for name, value in bars.items() if "volume" not in name}
-    given = {**TABLE_1, "omega1": 25.0, "theta1": 1.0}
+    given = {**CRANK, "omega1": 25.0, "theta1": 1.0}
     with_bars = fl.evaluate("planar_4r", ["shaking_force"], **given, links=BARS)
     assert fl.evaluate("planar_4r", ["shaking_force"], **given, **explicit) == with_bars
 
 
 #: Pairs with an input that turns fully: of Table 1 the joints at the ends of the shortest link a1; and of a4.
 DOUBLE_CRANK = {"a1": 1.2, "a2": 0.9, "a3": 1.0, "a4": 0.4}
-CASES = [
-    ("12", TABLE_1),
-    ("13", TABLE_1),
-    ("14", TABLE_1),
-    ("23", TABLE_1),
-    ("24", TABLE_1),
-    ("43", DOUBLE_CRANK),
-]
+CASES = [*((pair, CRANK) for pair in ("12", "13", "14", "23", "24")), ("43", DOUBLE_CRANK)]
 
 
 def by_the_equation(pair, lengths, rate):
@@ -142,7 +133,7 @@ def test_extremes_of_rates_follow_from_the_equation_of_the_pair(pair, lengths):
 
 
 def test_the_crank_s_rate_may_have_its_usual_name_and_other_pairs_have_none():
-    lengths = {"a1": 0.4, "a2": [1.1, 1.2], "a3": 0.8, "a4": 1.0}
+    lengths = CRANK | {"a2": [1.1, 1.2]}
     usual = [lengths | {"omega1": [25.0, 30.0]}, fl.grid(**lengths, omega1=[25.0, 30.0])]
     other = [lengths | {"joint_omega_1": [25.0, 30.0]}, fl.grid(**lengths, joint_omega_1=[25.0, 30.0])]
     for one, two in zip(usual, other, strict=True):
@@ -154,4 +145,4 @@ def test_the_crank_s_rate_may_have_its_usual_name_and_other_pairs_have_none():
         fl.planar.rate_extrema(usual[0], pair="23", branch=(1, 2))
     for pair in ("11", "15", 14, None):
         with refused("pair", "12, 13, 14"):
-            fl.planar.rate_extrema(TABLE_1, pair=pair, branch=(1, 2))
+            fl.planar.rate_extrema(CRANK, pair=pair, branch=(1, 2))

@@ -9,15 +9,17 @@ import pkgutil
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
+import filelock
 import pytest
 from typer.testing import CliRunner
 
 import fastlink
 from fastlink.app.cli import app
-from fastlink.codegen import cache
+from fastlink.codegen import cache, kernel
 from fastlink.codegen.kernel import MachineCode, llvm_text, load_kernel
 from fastlink.codegen.machine import compile_object
 from fastlink.codegen.source import Array, Source
@@ -61,6 +63,15 @@ class Compiler:
 
 def kept(compiler, load=bytes, key=KEY):
     return cache.load_or_compile(key, compiler, load)
+
+
+def failing(error):
+    """Return a function that raises an error, whatever it is given."""
+
+    def fail(*_, **__):
+        raise error
+
+    return fail
 
 
 def test_what_was_compiled_is_kept(place):
@@ -113,33 +124,25 @@ def test_object_code_that_cannot_be_loaded_is_made_again(place):
 
 
 def test_what_the_compiler_raises_is_raised_and_leaves_nothing(place):
-    def fail():
-        raise ValueError("refused")
-
     with pytest.raises(ValueError, match="refused"):
-        kept(fail)
+        kept(failing(ValueError("refused")))
     assert kept(Compiler()) == b"code"  # no lock is left either
     assert not list(place.glob("*.tmp"))
 
 
-FULL = OSError(28, "No space left on device")
-READ_ONLY = OSError(30, "Read-only file system")
-
-
 @pytest.mark.parametrize(
     ("name", "error"),
-    [("write_bytes", FULL), ("mkdir", READ_ONLY), ("mkdir", PermissionError(13, "Permission denied"))],
+    [
+        ("write_bytes", OSError(28, "No space left on device")),
+        ("mkdir", OSError(30, "Read-only file system")),
+        ("mkdir", PermissionError(13, "Permission denied")),
+    ],
 )
 def test_a_folder_that_is_full_or_read_only_costs_the_cache_only(place, monkeypatch, name, error):
     place.mkdir(parents=True)
     kept(ready := Compiler())
-
-    def fail(*_, **__):
-        raise error
-
-    monkeypatch.setattr(Path, name, fail)
-    monkeypatch.setattr(os, "replace", fail)
-    monkeypatch.setattr(os, "utime", fail)
+    for owner, of in ((Path, name), (os, "replace"), (os, "utime")):
+        monkeypatch.setattr(owner, of, failing(error))
     assert kept(ready) == b"code"  # what is there is read
     assert ready.calls == 1
     compiler = Compiler()
@@ -161,20 +164,13 @@ def test_a_cache_folder_that_is_a_file_is_done_without(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("error", [NotImplementedError("no locks here"), OSError(37, "No locks available")])
 def test_a_folder_that_cannot_hold_locks_costs_a_second_compilation_only(place, monkeypatch, error):
-    import filelock
-
-    def fail(*_, **__):
-        raise error
-
-    monkeypatch.setattr(filelock.FileLock, "acquire", fail)
+    monkeypatch.setattr(filelock.FileLock, "acquire", failing(error))
     assert kept(compiler := Compiler()) == b"code"
     assert kept(compiler) == b"code"
     assert compiler.calls == 1
 
 
 def test_a_lock_that_another_holds_for_long_costs_a_second_compilation_only(place, monkeypatch):
-    import filelock
-
     monkeypatch.setattr(cache, "PATIENCE", 0.05)
     (place / "locks").mkdir(parents=True)
     with filelock.FileLock(place / "locks" / f"{KEY[:2]}.lock"):
@@ -277,10 +273,6 @@ def test_twenty_processes_compile_once(place):
 
 
 def test_threads_compile_once(place, monkeypatch):
-    from concurrent.futures import ThreadPoolExecutor
-
-    from fastlink.codegen import kernel
-
     compile, made = kernel.compile_object, []
     monkeypatch.setattr(kernel, "compile_object", lambda text, **_: made.append(text) or compile(text))
     with ThreadPoolExecutor(8) as pool:
@@ -428,13 +420,8 @@ def test_the_command_shows_and_clears_and_says_what_it_could_not_remove(place, m
     assert "1 kernel of 36 B" in command.invoke(app, ["cache"]).output
     command.invoke(app, ["cache", "--clear"])
     fill(2)
-
-    def fail(*_, **__):
-        raise PermissionError(13, "Permission denied")
-
-    monkeypatch.setattr(Path, "unlink", fail)
-    found = CliRunner().invoke(app, ["cache", "--clear"])
-    assert "2.06 kB could not be removed" in found.output
+    monkeypatch.setattr(Path, "unlink", failing(PermissionError(13, "Permission denied")))
+    assert "2.06 kB could not be removed" in command.invoke(app, ["cache", "--clear"]).output
 
 
 class Terminal(io.StringIO):
@@ -489,8 +476,6 @@ def test_what_is_quick_or_without_a_terminal_is_not_told(monkeypatch, stream):
 
 
 def test_a_kernel_that_compiles_is_told(place, terminal, monkeypatch):
-    from fastlink.codegen import kernel
-
     compile = kernel.compile_object
 
     def slowly(text, **options):

@@ -19,7 +19,7 @@ from tests.mechanisms.linkages.declared import SIX_BAR
 from tests.support.compiled import assert_same_bits
 from tests.support.configurations import PLANAR, draw
 from tests.support.sweeps import sweep_4r, sweep_both
-from tests.support.toys import toy
+from tests.support.toys import declare_all, toy
 
 import fastlink as fl
 import fastlink.codegen.runtime
@@ -78,26 +78,16 @@ class Family:
 
 
 OWN = fl.extend("planar_4r")
-
-
-@OWN.quantity(units="N")
-def load(F21, F41):
-    """Greater force on the bearings of the crank."""
-    return max(F21, F41)
-
-
-@OWN.quantity(units="rad s-1")
-def lower(omega2, omega4):
-    """Rate of the coupler, or a thousand times the size of the output link's, which is less."""
-    return min(omega2, 1e3 * abs(omega4))
-
-
-@OWN.quantity(units="rad")
-def between(theta4, theta2):
-    """Angle between the coupler and the output link as the difference of two, which jump."""
-    return theta4 - theta2
-
-
+declare_all(
+    OWN,
+    {
+        "load(F21, F41)": ("N", "max(F21, F41)"),
+        # the rate of the coupler, or a thousand times the size of the output link's, which is less
+        "lower(omega2, omega4)": ("rad s-1", "min(omega2, 1e3 * abs(omega4))"),
+        # of two angles, which jump
+        "between(theta4, theta2)": ("rad", "theta4 - theta2"),
+    },
+)
 SAMPLED = {"extrema": "sampled"}
 MOTION = ["A_x", "theta4", "omega4", "alpha2"]
 REDUCED = ["omega4_max", "omega4_min", "theta1_at_omega4_max", "T41_mean", "alpha4_rms", "T41_fluctuation"]
@@ -315,34 +305,30 @@ def fused(text):
 GIVEN = tuple(PLANAR.inputs)
 #: The plans of the benchmarks, and what the lanes are in each.
 PLANS = {
-    "positions": (["A_x", "A_y", "B_x", "B_y"], (), "angles"),
-    "rates": (["B_x", "B_y", "omega2", "omega4", "alpha2", "alpha4"], (), "angles"),
-    "angles": (["theta2", "theta4"], (), "angles"),
-    "reactions": (
-        ["F41_x", "F41_y", "F21_x", "F21_y", "F32_x", "F32_y", "F43_x", "F43_y", "T41"],
-        (),
-        "angles",
-    ),
-    "extremes": (
-        ["omega4_max", "omega4_min", "alpha4_max", "alpha4_min", "T41_max", "F32_x_max"],
-        (),
-        "designs",
-    ),
+    "positions": ("A_x A_y B_x B_y", "angles"),
+    "rates": ("B_x B_y omega2 omega4 alpha2 alpha4", "angles"),
+    "angles": ("theta2 theta4", "angles"),
+    "reactions": ("F41_x F41_y F21_x F21_y F32_x F32_y F43_x F43_y T41", "angles"),
+    "extremes": ("omega4_max omega4_min alpha4_max alpha4_min T41_max F32_x_max", "designs"),
     "map": (
-        ["transmission_angle_min", "shaking_force_max", "shaking_moment_max", "theta1_at_omega4_max"],
-        (),
+        "transmission_angle_min shaking_force_max shaking_moment_max theta1_at_omega4_max",
         "designs",
     ),
-    "rms": (["T41_rms", "status"], (), "designs"),
-    "dense": (["F32_x", "T41"], ("dense",), "designs"),
+    "rms": ("T41_rms status", "designs"),
+    "dense": ("F32_x T41", "designs"),
 }
+
+
+def planned(name):
+    """Return the program of a plan."""
+    variants = ("dense",) if name == "dense" else ()
+    return make_program(PLANAR, PLANS[name][0].split(), given=GIVEN, variants=variants)
 
 
 @pytest.mark.parametrize("name", PLANS)
 def test_only_what_was_asked_is_computed(name):
-    names, variants, lanes = PLANS[name]
-    plan = make_program(PLANAR, names, given=GIVEN, variants=variants)
-    assert plan.lanes == lanes
+    plan = planned(name)
+    assert plan.lanes == PLANS[name][1]
     needed = {output.request.quantity for output in plan.outputs}
     for step in reversed(plan.steps):
         made = set(getattr(step, "unknowns", (step.name,)))
@@ -387,7 +373,7 @@ def known_names(mechanism):
 @pytest.mark.parametrize("name", NAMES)
 def test_no_value_of_a_mechanism_has_a_name_that_kernels_use(name):
     """Such a value would be taken for a count or an array: designs were left out in silence."""
-    plans = [make_program(PLANAR, names, given=GIVEN, variants=more) for names, more, _ in PLANS.values()]
+    plans = [*map(planned, PLANS)]
     plans += make_plan(PLANAR, ["omega4_max", "T41_extrema"], given=GIVEN).programs
     own = set().union(*map(names_of_its_own, plans))
     assert {"designs", "n_designs", "lanes", "width", "state", "w", "w2"} <= own
@@ -496,19 +482,12 @@ def test_the_families_call_every_function_that_kernels_call():
     texts = [kernel.text for family in FAMILIES.values() for kernel, _ in kernels(family.request())]
     imports = [line for text in texts for line in re.findall(r"^from fastlink.codegen.runtime.*", text, re.M)]
     called = {name for line in imports for name in re.findall(r"\w+", line.partition(" import ")[2])}
+    # other functions call them
     helpers = {
-        *(
-            "append_item",
-            "append_of_lane",
-            "is_unresolved",
-            "next_split",
-            "insert",
-            "position_of",
-            "every_vector",
-        ),
-        *("first_of", "toggle_of", "evaluate_at", "evaluate_octave", "find_least"),
+        *("append_item", "append_of_lane", "is_unresolved", "next_split", "insert", "position_of"),
+        *("every_vector", "first_of", "toggle_of", "evaluate_at", "evaluate_octave", "find_least"),
         *("column_of", "note_best", "mark_undecided"),
-    }  # other functions call them
+    }
     assert written - called <= helpers
     for word in ("entries(min(", "w2[", "turn in range(2)", "silenced(", "store_list("):
         assert any(word in text for text in texts), word
@@ -731,7 +710,6 @@ REFUSED = {
     "x = a[0, 0] & 1": "a[0, 0] & 1: no such operation",
     "x = a + 1.0": "a: a number is wanted",
     "k = 0 < n < 5": "0 < n < 5: no such expression",
-    "k = n is None": "n is None: no such expression",
     "k = n in (1, 2)": "n in (1, 2): no such expression",
     # Entries.
     "x = a[0, -1]": "a[0, -1]: indices count from the beginning",
@@ -747,22 +725,13 @@ REFUSED = {
     "x = np.nothing": "np.nothing: arrays have shape, those of one axis size",
     # Expressions and statements of Python that kernels have none of.
     "x = 'text'": "'text': no such expression",
-    "x = None": "None: no such expression",
-    "x = 1j": "1j: no such expression",
     "x = [1.0, 2.0]": "[1.0, 2.0]: no such expression",
-    "x = [v for v in (1, 2)]": "no such expression",
-    "x = lambda: 1": "lambda: 1: no such expression",
     "x = (k := n)": "(k := n): no such expression",
     "x = k = 2.0": "x = k = 2.0: no such statement",
     "x: float = 1.0": "x: float = 1.0: no such statement",
     "x, k = 1.0": "(x, k): as many values as names are needed",
     "x, k = 1.0, 2.0, 3.0": "(x, k): as many values as names are needed",
     "a.flags = 1": "a.flags: no such target",
-    "del n": "del n: no such statement",
-    "assert n": "assert n: no such statement",
-    "import os": "import os: no such statement",
-    "raise ValueError": "raise ValueError: no such statement",
-    "with a: pass": "no such statement",
     "try:\n    pass\nfinally:\n    pass": "no such statement",
     "def f(): pass": "no such statement",
     "break": "break: no such statement",
@@ -781,7 +750,6 @@ REFUSED = {
     # Calls.
     "x = unknown(1.0)": "unknown(1.0): nothing has that name here",
     "x = math.sin(1.0)": "math.sin(1.0): it is none of the functions that kernels call",
-    "x = np.exp(1.0)": "np.exp(1.0): it is none of the functions that kernels call",
     "x = np.zeros(3)": "np.zeros(3): it is none of the functions that kernels call",
     "x = len(a)": "len(a): nothing has that name here",
     "x = lanes(n)": "lanes(n): it is none of the functions that kernels call",
@@ -795,7 +763,6 @@ REFUSED = {
     "x = a.sum()": "a.sum: arrays have shape, those of one axis size",
     # Loops over numbers.
     "for i in a:\n    pass": "a: loops run over range, lanes or entries",
-    "for i in (1, 2):\n    pass": "(1, 2): loops run over range, lanes or entries",
     "for i in enumerate(a):\n    pass": "enumerate(a): loops run over range, lanes or entries",
     "for i, j in range(n):\n    pass": "no such statement",
     "for i in range(n):\n    pass\nelse:\n    pass": "no such statement",
@@ -821,14 +788,10 @@ REFUSED = {
     in_lanes("out[int(a[0, i])] = 1.0"): "out[int(a[0, i])]: one number goes to one entry",
     in_lanes("out[i] = a[int(a[1, i]), i]"): "in lanes the last one only differs",
     in_lanes("break"): "break: lanes have assignments only",
-    in_lanes("continue"): "continue: lanes have assignments only",
     in_lanes("return"): "return: lanes have assignments only",
     in_lanes("sqrt(1.0)"): "sqrt(1.0): lanes have assignments only",
-    in_lanes("solve_lanes(a, 0, 2, n)"): "lanes have assignments only",
     in_lanes("x = solve_lanes(a, 0, 2, n)"): "lanes call no functions with loops",
     in_lanes("if a[0, i] > 0: out[i] = 1.0"): "lanes have assignments only",
-    in_lanes("while n > 0: out[i] = 1.0"): "lanes have assignments only",
-    in_lanes("for j in range(3): out[i] = 1.0"): "lanes have assignments only",
     in_lanes("for j in lanes(8): out[j] = 1.0"): "lanes have assignments only",
     in_lanes("x = a[0, i] > 0.0 and n > 0"): "lanes have & and |",
     in_lanes("x = a[0, i] > 0.0 or n > 0"): "lanes have & and |",

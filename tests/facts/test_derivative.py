@@ -9,6 +9,8 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.configurations import DIGITS, LENGTHS, PLANAR, masses_and_points, random_lengths, reference
+from tests.support.precision import derivatives
+from tests.support.registry import ENTRIES
 from tests.support.sweeps import sweep_4r
 from tests.support.toys import toy
 
@@ -23,20 +25,6 @@ from fastlink.numerics import compensated, vectors
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.programs import make_program
 from fastlink.precision.reference import HighPrecision
-
-# Residuals are nothing but errors; facts of the design alone have their own tests (test_classes.py).
-QUANTITIES = [name for name in PLANAR.public if PLANAR.varies(name) and "residual" not in name]
-
-
-def derivatives(by, names=QUANTITIES, variants=()):
-    """Return NAME to the name of its derivative, where it depends on the input."""
-    found = {}
-    for name in names:
-        try:
-            found[name] = PLANAR.resolve(f"d_{name}_d_{by}", variants).name
-        except InputError:
-            continue
-    return found
 
 
 def one_configuration(seed, **changed):
@@ -117,7 +105,7 @@ def test_loads_have_their_own_derivatives(chosen, given, by):
     """A derivative that is declared of a fact is not that of the fact which replaces it."""
     one = one_configuration(8) | given
     names = ["T41", "alpha4", "jerk2", "shaking_force"]
-    made = derivatives(by, names, (chosen,))
+    made = derivatives(ENTRIES[0], tuple(names), by, (chosen,))
     values = reference([*names, *made.values()], one, (chosen,))
     for name, slope in difference(names, one, by, (chosen,)).items():
         found = values[made[name]] if name in made else mp.mpf(0)

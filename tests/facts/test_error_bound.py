@@ -1,8 +1,6 @@
 """Error bounds: each law alone, every quantity by 50 digits, bits, labels, messages."""
 
 from fractions import Fraction
-from importlib import import_module
-from operator import mul, truediv
 
 import mpmath as mp
 import numpy as np
@@ -11,7 +9,7 @@ from numpy.testing import assert_array_equal
 from tests.support import configurations
 from tests.support.configurations import LENGTHS, PLANAR, lengths_and_angles
 from tests.support.precision import Truth, in_every_mode, plain
-from tests.support.registry import ENTRIES
+from tests.support.registry import ENTRIES, every_input
 from tests.support.sweeps import sweep_4r, sweep_both
 from tests.support.toys import toy
 
@@ -21,8 +19,8 @@ from fastlink.facts import bounds
 from fastlink.facts.bounds import UNIT_WITH_MARGIN, WORDS
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.tables import angle_tables
-from fastlink.mechanisms import NAMES, catalogue
-from fastlink.numerics.compensated import UNIT_ROUNDING, pair_product, pair_quotient, sum_of_four
+from fastlink.mechanisms import catalogue
+from fastlink.numerics.compensated import UNIT_ROUNDING, sum_of_four
 from fastlink.precision.reference import CONTEXT
 
 MINKOWSKI = catalogue("minkowski_4r")
@@ -82,19 +80,6 @@ def test_a_gap_is_right_to_twice_the_digits_of_itself_however_much_cancels():
         ) * abs(exact)
         nonzero += exact != 0
     assert nonzero > 3000
-
-
-@pytest.mark.parametrize(("function", "operation"), [(pair_product, mul), (pair_quotient, truediv)])
-def test_a_product_or_quotient_of_pairs_is_right_to_twice_the_digits(function, operation):
-    rng = np.random.default_rng(3)
-    for _ in range(2000):
-        a, b, s, t = (float(x) for x in rng.uniform(-2.0, 2.0, 4))
-        a_low, b_low = a * UNIT_ROUNDING * s / 2.0, b * UNIT_ROUNDING * t / 2.0
-        exact = operation(Fraction(a) + Fraction(a_low), Fraction(b) + Fraction(b_low))
-        high, low = function(a, a_low, b, b_low)
-        assert abs(Fraction(high) + Fraction(low) - exact) <= WORDS[function] * Fraction(UNIT_ROUNDING) * abs(
-            exact
-        )
 
 
 #: Formulas, and how often a rounding changes them.
@@ -296,14 +281,13 @@ def test_bounds_scale_with_the_lengths(power):
     assert_array_equal(other, one * 2.0**factors)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_every_quantity_of_every_mechanism_has_a_bound(name):
-    for position in (None, *import_module(f"fastlink.mechanisms.{name}").DRIVEN):
-        mechanism = catalogue(name, position)
-        given = ("branch", mechanism.position.name, *mechanism.tables, *mechanism.table_low_parts)
-        judged = [f"{quantity}_error" for quantity in quantities(mechanism)]
-        steps = mechanism.dependencies(judged, (*mechanism.inputs, *given))
-        assert {step.name for step in steps}.issuperset(judged)
+@every_input
+def test_every_quantity_of_every_mechanism_has_a_bound(mechanism, drive):
+    known = catalogue(mechanism, drive)
+    given = ("branch", drive, *known.tables, *known.table_low_parts)
+    judged = [f"{quantity}_error" for quantity in quantities(known)]
+    steps = known.dependencies(judged, (*known.inputs, *given))
+    assert {step.name for step in steps}.issuperset(judged)
 
 
 @pytest.mark.parametrize("name", MECHANISMS)
@@ -317,19 +301,8 @@ def test_nothing_of_a_bound_is_computed_unless_it_is_asked_for(name):
 DEEP = ["d_F41_d_a1_error", "d_shaking_moment_printed_d_a1_error"]
 
 
-def loaded_design():
-    """Return one configuration under all loads, as numbers, and its input angle."""
-    values = {
-        name: float(rows[0])
-        for name, rows in configurations.loaded("random", np.random.default_rng(1), 1).items()
-    }
-    return {name: value for name, value in values.items() if name not in ("theta1", "branch")}, values[
-        "theta1"
-    ]
-
-
 def test_bounds_of_derivatives_under_all_loads_are_evaluated():
     """Their texts are thousands of operations deep, which Python must not read by recursion."""
-    design, theta1 = loaded_design()
-    found = fl.evaluate("planar_4r", DEEP, theta1=theta1, branch=2, **design)
+    design = configurations.loaded("random", np.random.default_rng(1), 1)
+    found = fl.evaluate("planar_4r", DEEP, branch=2, **design)
     assert all(0.0 < found[name] < np.inf for name in DEEP)

@@ -4,12 +4,12 @@ import ast
 import re
 from dataclasses import replace
 from functools import cache
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tests.support.registry import every_input
 from tests.support.toys import add, toy
 
 import fastlink as fl
@@ -32,18 +32,11 @@ from fastlink.facts.names import (
     root_of,
     signed,
 )
-from fastlink.mechanisms import NAMES
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.plan.programs import make_plan
 from fastlink.plan.query import REDUCTIONS, list_names, parse_request
 
 SOURCE = Path(__file__).parents[2] / "src" / "fastlink"
-#: Every mechanism by every input that may drive it.
-DRIVES = [
-    (mechanism, drive)
-    for mechanism in NAMES
-    for drive in (None, *import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN)
-]
 
 
 def plain_names(catalogue):
@@ -93,7 +86,7 @@ def trees(catalogue):
 
 
 @pytest.mark.sample(3)
-@pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
+@every_input
 @settings(deadline=None)
 @given(data=st.data())
 def test_what_is_spelt_is_read_again(mechanism, drive, data):
@@ -117,7 +110,7 @@ def reduced_names(catalogue):
 
 
 @pytest.mark.sample(4)
-@pytest.mark.parametrize(("mechanism", "drive"), DRIVES)
+@every_input
 def test_every_listed_name_is_read(mechanism, drive):
     catalogue = find_catalogue(mechanism, drive)
     for name in catalogue.public:

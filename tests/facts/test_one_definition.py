@@ -1,26 +1,24 @@
 """Each fact is defined once: no two of a catalogue compute one expression, and the factors are the paper's."""
 
 from fractions import Fraction
-from importlib import import_module
 
 import numpy as np
 import pytest
-from tests.support.configurations import PLANAR, design_of
+from tests.support.configurations import PLANAR
 
 from fastlink.facts.evaluate import read_facts
 from fastlink.facts.expression import ExpressionGraph
 from fastlink.facts.fact import Fact
-from fastlink.mechanisms import NAMES
+from fastlink.mechanisms import NAMES, inputs_of
 from fastlink.mechanisms import catalogue as find_catalogue
 from fastlink.numerics import compensated, elementary, logarithm, vectors
-from fastlink.planar import io_coefficients
 
 NUMERICS = (compensated, elementary, logarithm, vectors)
 FUNCTIONS = [f for module in NUMERICS for f in vars(module).values() if callable(f)]
 CASES = [
     (mechanism, position, chosen)
     for mechanism in NAMES
-    for position in (None, *import_module(f"fastlink.mechanisms.{mechanism}").DRIVEN)
+    for position in inputs_of(mechanism)
     for chosen in ((), *((name,) for name in find_catalogue(mechanism, position).variants))
 ]
 
@@ -96,19 +94,3 @@ def test_factors_are_those_of_the_paper_to_the_last_bit(change_point):
             # sum of errors has no more than 61 bits, of which all but the last stand in one double, and two hold all.
             assert Fraction(high) + Fraction(low) == exact
             assert high == float(exact)
-
-
-def test_the_coefficients_of_the_equations_are_made_of_the_factors():
-    lengths = (3.0, 7.0, 5.5, 6.25)  # whose products are exact
-    A1, A2, B1, B2, C1, C2, D1, D2 = (factor(*lengths) for factor in FACTORS.values())
-    cross_13, cross_24 = 8.0 * lengths[0] * lengths[2], 8.0 * lengths[1] * lengths[3]
-    expected = {
-        "14": (A1 * A2, B1 * B2, C1 * C2, -cross_13, D1 * D2),
-        "12": (A1 * B2, A2 * B1, C1 * D2, -cross_24, C2 * D1),
-        "13": (A1 * B1, A2 * B2, C2 * D2, 0.0, C1 * D1),
-        "23": (A1 * D2, B2 * C1, B1 * C2, -cross_13, A2 * D1),
-        "24": (A1 * C1, B2 * D2, A2 * C2, 0.0, B1 * D1),
-        "34": (A1 * C2, B1 * D2, A2 * C1, cross_24, B2 * D1),
-    }
-    for pair, coefficients in expected.items():
-        np.testing.assert_array_equal(io_coefficients(design_of(*lengths), pair=pair), coefficients)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
-from tests.support.configurations import numbers
+from tests.support.configurations import LENGTHS, numbers
 from tests.support.extremes import (
     QUIET,
     SEARCHED,
@@ -19,7 +19,7 @@ from tests.support.extremes import (
 )
 from tests.support.neighbourhoods import folded_planar_4r
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, CRANK, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
@@ -32,7 +32,6 @@ from fastlink.plan.programs import KnownProgram, make_plan
 from fastlink.precision.errors import MeasuredErrors
 from fastlink.precision.reference import CONTEXT
 
-LENGTHS = ("a1", "a2", "a3", "a4")
 PLANAR = SEARCHED[0]
 #: Some of each kind: accelerations, forces, a coordinate, an angle with kinks.
 SOME = {
@@ -42,7 +41,6 @@ SOME = {
     "phi": ("F_y",),
 }
 LOOSENESS = 250.0
-CRANK = (0.4, 1.2, 0.8, 1.0)
 
 
 def held(entry, designs, names):
@@ -109,14 +107,14 @@ def test_extremes_of_links_that_fold_are_within_their_bounds_or_have_none(n):
 
 def test_forces_are_infinite_where_a_change_point_folds_under_a_load():
     """All bars lie in line there, and no finite force along them holds a weight across; along them some do."""
-    links, lengths = fl.round_bar(density=7750.0, radius=0.01), (2.0, 3.0, 2.5, 2.5)
+    lengths = (2.0, 3.0, 2.5, 2.5)
     names = ["F21_max", "F21_max_error", "F21_min", "F21_min_error"]
     space = fl.grid(**dict(zip(LENGTHS, lengths, strict=True)), omega1=1.0, gravity_y=[-9.81])
-    loaded = sweep_4r(space, names, links=links)
+    loaded = sweep_4r(space, names, links=BARS)
     assert np.isinf(loaded["F21_max"]).all()
     assert np.isinf(loaded["F21_max_error"]).all()
     assert (loaded["F21_min_error"] < 1e-9 * loaded["F21_min"]).all()
-    assert np.isfinite(swept_4r(["F21_max"], lengths, links=links)["F21_max"]).all()
+    assert np.isfinite(swept_4r(["F21_max"], lengths, links=BARS)["F21_max"]).all()
 
 
 FIRST = {"theta1", "theta", "joint_angle_2"}  # the others share their facts with one of these
@@ -169,7 +167,7 @@ def test_labels_and_axes_of_errors_are_their_own_and_a_kernel_computes_them_on_r
     assert found["omega4_extrema_error"].dims == ("branch", "extremum")
     # Left out as a product, its rounding would be missing.
     one = swept_4r(["omega4_max_error"])
-    axis = fl.grid(**dict(zip(LENGTHS, CRANK, strict=True)), omega1=[1.0, 3.0])
+    axis = fl.grid(**CRANK, omega1=[1.0, 3.0])
     found = sweep_4r(axis, ["omega4_max", "omega4_max_error"])
     assert "scaling_axis" not in found.attrs
     assert_array_equal(found["omega4_max_error"][0], one["omega4_max_error"])
@@ -178,13 +176,7 @@ def test_labels_and_axes_of_errors_are_their_own_and_a_kernel_computes_them_on_r
     texts = [kernel_of(program).text for program in plan.programs]
     assert not any("error" in text or "winners" in text for text in texts)
     with refused("quantity 'omega4_max_error'", "write 'omega4_error'"):
-        fl.evaluate(
-            "planar_4r",
-            ["omega4_max_error"],
-            theta1=1.0,
-            omega1=1.0,
-            **dict(zip(LENGTHS, CRANK, strict=True)),
-        )
+        fl.evaluate("planar_4r", ["omega4_max_error"], theta1=1.0, omega1=1.0, **CRANK)
 
 
 def test_verification_holds_errors_of_extremes_against_their_bounds():
@@ -478,8 +470,7 @@ def test_counts_beside_toggles_and_folds_are_of_extremes_not_of_rounding():
         np.array([1.9559321078037128, 1.910416264244732]),
     )
     space = fl.table({"a1": a, "a2": b, "a3": b, "a4": a, "omega1": np.full(2, 25.0)})
-    bars = fl.round_bar(density=7750.0, radius=0.01)
-    counts = sweep_4r(space, ["F32_extrema_count"], links=bars).F32_extrema_count
+    counts = sweep_4r(space, ["F32_extrema_count"], links=BARS).F32_extrema_count
     assert np.all(counts == 0)
 
 

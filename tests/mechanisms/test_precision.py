@@ -1,9 +1,6 @@
-"""What holds for every quantity of every mechanism by every input, in configurations easy and hard, and derivatives.
+"""Every quantity of every mechanism is right to a few roundings of its inputs and itself, and so are derivatives.
 
-A sum of |x df/dx| over the inputs, times the unit rounding, is what rounding the inputs alone does to f. The facts are
-short chains of operations that do not cancel, so the error of the computed f must be a small multiple of that and of
-one rounding of f: the `multiple` of the entry in `support/registry.py`. Derivatives are the limits of 50-digit
-differences, and held to the same rule.
+How many is the `multiple` of an entry of `support/registry.py`.
 """
 
 import re
@@ -157,9 +154,7 @@ SLOPES = [
 def test_derivatives_are_a_few_roundings_off(entry, kind, by):
     """By their own condition, but for chance; and all of them by the terms of what they are derivatives of.
 
-    A derivative and its condition may vanish in single configurations where its terms do not, as where AP turns neither
-    with a2 nor across x. Of 618,000 derivatives (40 configurations of each family) 490 were beyond the multiple by
-    their own condition, by up to 6000 roundings; by the terms the worst was at 3.3. A formula that cancels does so in
+    A derivative and its condition may vanish where its terms do not: 490 of 618,000. A formula that cancels does so in
     most of a family.
     """
     made = derivatives(entry, numbers_of(entry), by, variables(entry)[1])

@@ -11,7 +11,7 @@ from flint import acb, arb
 from tests.support.neighbourhoods import DRAWN, ULP
 from tests.support.precision import in_every_mode
 from tests.support.registry import ENTRIES, every_input
-from tests.support.sweeps import sweep_both
+from tests.support.sweeps import BARS, CRANK, sweep_both
 
 import fastlink as fl
 from fastlink.facts.formula import Formula
@@ -23,7 +23,6 @@ from fastlink.precision.independent import TOLERANCE, TURNING, IndependentValues
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 ENTRY = {str(entry): entry for entry in ENTRIES if entry.solver == "eliminated"}
-CRANK = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0, "omega1": 25.0}
 
 #: What loops do not give: codes, measures of the loop, centres, inertias and limits of designs. Each is held by a test
 #: of its mechanism.
@@ -190,7 +189,7 @@ def nearly(right):
 
 #: A mechanism, a fact on the way, a quantity that it makes wrong, and inputs of a sweep.
 WRONG = [
-    ("planar_4r", "torque2", "T41", CRANK, {"links": fl.round_bar(density=7750.0, radius=0.01)}),
+    ("planar_4r", "torque2", "T41", CRANK | {"omega1": 25.0}, {"links": BARS}),
     ("focal", "lambda_", "F_x", {"a": 4.0, "b": 5.0, "c": 2.0, "d": 4.0, "s": 1.5, "completion": 1}, {}),
 ]
 
@@ -223,8 +222,7 @@ def test_a_wrong_formula_is_a_mismatch_in_the_file(
 
 
 # == Values and bounds of many designs against the loops =====================================================
-# The reference shares no formula with the facts: `fastlink.precision.independent` on balls of python- flint, with
-# as many bits as it takes.
+# The reference shares no formula with the facts: `fastlink.precision.independent` on balls of many bits.
 
 #: Bits of the reference, each taken where the one before leaves something open.
 BITS = (256, 1024, 4096)

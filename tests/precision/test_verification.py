@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import PLANAR, masses_and_points, numbers
+from tests.support.hart_configurations import WUNDERLICH
 from tests.support.precision import in_every_mode, plain, wrong
 from tests.support.registry import ENTRIES
 from tests.support.sweeps import BARS, CRANK, sweep_4r
@@ -182,15 +183,14 @@ def test_what_fails_or_is_interrupted_leaves_the_file(monkeypatch, tmp_path):
         assert "error_max_relative" in maps.theta4.attrs
 
 
-#: Hart's linkage of Wunderlich's figures: in branch 1 it is a folded kite for phi < pi, F stands still at M.
-KITE = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
+#: Of Wunderlich's linkage, which in branch 1 is a folded kite for phi < pi: F stands still at M.
 VANISHING = ["F_y", "B_x", "B_y", "dF_y_dphi", "dpsi_dphi", "omega_angle", "psi"]
 
 
 def test_vanishing_values_are_measured_against_the_lengths_and_mismatches_where_they_should_vanish(
     monkeypatch,
 ):
-    kites = {name: KITE[name] * np.arange(1.0, 33.0) for name in ("m", "n", "d")} | {
+    kites = {name: WUNDERLICH[name] * np.arange(1.0, 33.0) for name in ("m", "n", "d")} | {
         "kappa": np.full(32, 0.5)
     }
     maps = fl.sweep("hart", fl.table(kites), VANISHING, phi=np.linspace(0.3, 2.8, 40), branch=1, verify=32)
@@ -201,7 +201,7 @@ def test_vanishing_values_are_measured_against_the_lengths_and_mismatches_where_
     spoil(monkeypatch, lambda array: array + 1e-12)
     with pytest.warns(fl.InputWarning, match="F_y"):
         maps = fl.sweep(
-            "hart", fl.grid(**KITE), ["F_y", "B_y"], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1
+            "hart", fl.grid(**WUNDERLICH), ["F_y", "B_y"], phi=np.linspace(0.3, 2.8, 40), branch=1, verify=1
         )
     for name in ("F_y", "B_y"):
         assert maps[name].attrs["verify_mismatches"] == maps[name].attrs["verified_values"]
@@ -239,8 +239,6 @@ output = {verify = VERIFY}
 
 
 # == Extremes at folds, where a slope in doubles is its own rounding error: of the reference, and lists of kernels
-
-LENGTHS_SIDE = ("a1", "a2", "a3", "a4")
 
 
 def inner(quantity, designs, branch, variants=()):
@@ -285,9 +283,7 @@ def test_only_true_changes_of_sign_are_cells_with_an_extreme():
 
 def test_noise_of_a_slope_at_a_fold_is_no_extreme():
     """Forces of 7, 11, 8, 4 without weights only rise or fall over the turn: the list of kernels is empty, too."""
-    designs = {
-        name: np.array([value]) for name, value in zip(LENGTHS_SIDE, (7.0, 11.0, 8.0, 4.0), strict=True)
-    }
+    designs = {name: np.array([value]) for name, value in zip(LENGTHS, (7.0, 11.0, 8.0, 4.0), strict=True)}
     bars = {"density": np.array([7750.0]), "radius": np.array([0.01]), "omega1": np.ones(1)}
     for branch in (1, 2):
         assert inner("F32", designs | bars, branch, ("round_bar",))[0] == [[]]
@@ -301,7 +297,7 @@ def test_lists_leave_out_rounding_errors_where_a_kite_or_parallelogram_rests():
     """A crank that turns its coupler alone, or its output at its own speed, needs no torque: 0 has no extremes."""
     rng = np.random.default_rng(7)
     lengths = np.array([(9, 9, 7, 7), (2, 4, 2, 4)], float)
-    designs = dict(zip(LENGTHS_SIDE, lengths.T, strict=True)) | masses_and_points(rng, 2)
+    designs = dict(zip(LENGTHS, lengths.T, strict=True)) | masses_and_points(rng, 2)
     names = ["T41_extrema_count", "T41_extrema", "shaking_force_extrema_count"]
     found = sweep_4r(fl.table(designs), names)
     for branch in (1, 2):

@@ -108,20 +108,10 @@ def designs(kind: str, rng: np.random.Generator, n: int) -> np.ndarray:
     return lengths
 
 
-def reference(
-    names: list[str], inputs: dict[str, Any], variants: tuple[str, ...] = (), catalogue: Catalogue = PLANAR
-) -> dict[str, Any]:
+def reference(names: list[str], inputs: dict[str, Any], variants: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return the facts of one configuration with 50 digits."""
-    found = HighPrecision(catalogue, names, inputs, variants).at(inputs)
+    found = HighPrecision(PLANAR, names, inputs, variants).at(inputs)
     return {name: found[name] for name in names}
-
-
-def condition_sums(
-    names: list[str], inputs: dict[str, Any], variants: tuple[str, ...] = (), catalogue: Catalogue = PLANAR
-) -> dict[str, Any]:
-    """Return sum over the inputs of |x df/dx|: what one rounding of each input does to each quantity."""
-    facts = HighPrecision(catalogue, names, inputs, variants)
-    return facts.condition(facts.at(inputs), [name for name in inputs if name != "branch"])
 
 
 def under_loads(seed: int, loads: Sequence[str]) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+import fastlink as fl
 from fastlink.mechanisms import catalogue
 from fastlink.precision.reference import CONTEXT as MP
 from fastlink.precision.reference import HighPrecision
@@ -14,17 +15,8 @@ LENGTHS = "abcd"
 #: rho near -1 has S and T far away, lambda near 0 (rho is then near -(a/b)^2, or -1) P and Q; near kites P and Q almost
 #: meet.
 FAMILIES = (
-    *(
-        "random",
-        "toggle 1e-3",
-        "toggle 1e-8",
-        "line 1e-3",
-        "line 1e-8",
-        "line 1e-12",
-        "kite 1e-3",
-        "kite 1e-8",
-    ),
-    *("scale 1e-20", "scale 1e20"),
+    *("random", "toggle 1e-3", "toggle 1e-8", "line 1e-3", "line 1e-8", "line 1e-12"),
+    *("kite 1e-3", "kite 1e-8", "scale 1e-20", "scale 1e20"),
 )
 
 
@@ -37,6 +29,15 @@ def random_designs(rng, n, low=0.3, high=2.0):
         "completion": rng.integers(1, 3, n).astype(float),
         "branch": rng.integers(1, 3, n).astype(float),
     }
+
+
+def positions(seed, n, *names):
+    """Return positions in which the first of some quantities has a value, with these."""
+    rng = np.random.default_rng(seed)
+    inputs = random_designs(rng, n) | {"phi": rng.uniform(-np.pi, np.pi, n)}
+    found = inputs | fl.evaluate("focal", names, **inputs)
+    closes = np.isfinite(found[names[0]])
+    return {name: np.asarray(values)[closes] for name, values in found.items()}
 
 
 def near_kites(rng, n, size):

@@ -8,7 +8,6 @@ import fastlink as fl
 from fastlink.mechanisms import catalogue
 
 HART = catalogue("hart")
-INPUTS = ("m", "n", "d", "kappa", "phi")
 #: The linkage of Figures 6 and 7.
 WUNDERLICH = {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}
 MEASURES = ("F_deviation", "closure_residual")
@@ -22,7 +21,8 @@ FAMILIES = ("random", "near 1 1e-9", "gap 1e-4", "toggle 1e-3")
 def family(kind: str, rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     """Return configurations that assemble at phi in one branch or the other, most of them."""
     name, *_, size = kind.split(" ") if " " in kind else (kind, "1")
-    m, n_, kappa = rng.uniform(0.3, 2.0, n), rng.uniform(0.3, 2.0, n), some_kappa(rng, n)
+    m, n_, below = rng.uniform(0.3, 2.0, n), rng.uniform(0.3, 2.0, n), rng.uniform(0.1, 0.9, n)
+    kappa = np.where(rng.random(n) < 0.6, below, 1.0 / below) * rng.choice([-1.0, 1.0], n)
     sign = rng.choice([-1.0, 1.0], n)
     if name == "near":
         kappa = sign * (1.0 + float(size) * rng.choice([-1.0, 1.0], n))
@@ -50,12 +50,6 @@ def along_line(rng: np.random.Generator, n: int) -> dict[str, np.ndarray]:
     return inputs | {
         "F_y": fl.evaluate("hart", ["F_y_outer"], phi=phi, **inputs)["F_y_outer"] * np.sin(1.7 * phi)
     }
-
-
-def some_kappa(rng: np.random.Generator, n: int) -> np.ndarray:
-    """Values of kappa of either sign, below and above 1."""
-    below = rng.uniform(0.1, 0.9, n)
-    return np.where(rng.random(n) < 0.6, below, 1.0 / below) * rng.choice([-1.0, 1.0], n)
 
 
 def at(names, **given):

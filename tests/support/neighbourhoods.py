@@ -1,5 +1,7 @@
 """Designs and positions drawn from all that is legal, most of them next to some degenerate set."""
 
+from functools import partial
+
 import numpy as np
 
 ULP = 2.0**-52
@@ -117,16 +119,11 @@ def scaled(rng, design, names, inertias=()):
     )
 
 
-def arccosine(x):
-    with np.errstate(invalid="ignore"):
-        return np.arccos(x)
-
-
 def four_bar_toggles(crank, coupler, output, ground):
     """Return the angles at the crank where coupler and output link align, nearly."""
     squares, twice = crank**2 + ground**2, 2.0 * crank * ground
     with np.errstate(invalid="ignore"):
-        return tuple(arccosine((squares - (coupler + s * output) ** 2) / twice) for s in (-1.0, 1.0))
+        return tuple(np.arccos((squares - (coupler + s * output) ** 2) / twice) for s in (-1.0, 1.0))
 
 
 LOADS = {
@@ -267,14 +264,11 @@ def hart(rng, n, by_line=False):
 #: Functions that draw designs and positions, by mechanism and input.
 DRAWN = {
     ("planar_4r", "theta1"): planar_4r,
-    **{
-        ("planar_4r", f"joint_angle_{k}"): (lambda rng, n, k=k: planar_4r(rng, n, joint=k))
-        for k in (1, 2, 3, 4)
-    },
+    **{("planar_4r", f"joint_angle_{k}"): partial(planar_4r, joint=k) for k in (1, 2, 3, 4)},
     ("slider_crank", "theta"): slider_crank,
     ("minkowski_4r", "theta"): minkowski_4r,
     ("focal", "phi"): focal,
-    ("focal", "sigma"): lambda rng, n: focal(rng, n, by_crank=True),
+    ("focal", "sigma"): partial(focal, by_crank=True),
     ("hart", "phi"): hart,
-    ("hart", "F_y"): lambda rng, n: hart(rng, n, by_line=True),
+    ("hart", "F_y"): partial(hart, by_line=True),
 }

@@ -171,11 +171,7 @@ def wrong(
 
 
 def error_by_quantity(entry: Entry, name: str, by: str, one: dict[str, float]) -> float:
-    """Return the error of a derivative at one configuration, in roundings of itself and of its quantity over the input.
-
-    Forward mode adds the terms of the quantity's own rounding error, each times its relative change with the input, and
-    rounds each some times: they may cancel where the quantity and its roundings do not.
-    """
+    """Return the error of a derivative in roundings of itself and of its quantity over the input."""
     derivative, inputs = f"d_{name}_d_{by}", {given: np.array([value]) for given, value in one.items()}
     truth = Truth(entry, (name, derivative), inputs)
     true = truth.facts.at(one)

@@ -41,9 +41,7 @@ class Entry:
     quantities: tuple[str, ...] = ()
     #: What is not tested, and why.
     left_out: Mapping[str, str] = field(default_factory=dict)
-    #: The greatest error in roundings of the result and of each input, see
-    #: `fastlink.precision.reference.error_in_roundings`. The facts are chains of up to forty operations that do not
-    #: cancel, and their errors mostly average out.
+    #: The greatest error in roundings of the result and of each input: facts are short, and do not cancel.
     multiple: float = MULTIPLE
     #: The same of single quantities.
     long_chains: Mapping[str, float] = field(default_factory=dict)
@@ -187,20 +185,12 @@ FOCAL = (
             looseness=20.0,
             # By sigma one bound in five is greater near dead centres (as measured: nothing says it has to be).
             near_bounds=0.9 if drive == "phi" else 0.8,
-            # Products and quotients of directions and places that come from the same few numbers. Measured, below 100
-            # and 1000 errors: by phi 41 % and 99 % of the bounds of circles, by sigma 19 % and 85 % of all these. There
-            # bounds of directions (A_x, A_y) are some 100 errors, and M, N, S in the frame of AB products of two.
+            # Products and quotients of directions and places that come from the same few numbers.
             sharing_errors=CIRCLES_OF_FOCAL if drive == "phi" else (*CIRCLES_OF_FOCAL, *PIVOTS_SEEN_FROM_AB),
             few=10,
             many=600,
-            # What is taken from S: s takes 3 roundings and r about 10, each of its own, while F, whose condition
-            # counts, depends on rho through both at once: where S is far away their changes cancel in F, their
-            # roundings do not. Of 1218 of these configurations one is beyond 4 (F_x, 4.3); the worst ever met is 6.2
-            # (chi, where S is far away). F in the frame of AB follows F_y, centres of circles lie beyond F or S (4.6),
-            # and Y is where AB, by the crank a product of five directions, meets MN (4.1). M, N and S in its frame
-            # are turned by that product, too (4.7), and so is what PSQT is drawn through (5.6). Rates of sigma are
-            # quotients of two products of directions, three each (4.6). S in that frame has the 10 of r and the 5 of
-            # the direction (8.7).
+            # Where S is far away the changes of F with rho cancel, the roundings of s and r do not (6.2 at most).
+            # Others follow F_y, or are turned by the direction of AB, a product of five (5.6); S there by both (8.7).
             long_chains=dict.fromkeys(("sigma", "alpha", "chi", "F_x", "F_y", "T_x", "T_y", "Y_x"), 8.0)
             | dict.fromkeys(("F_along_AB", "F_across_AB", "PSQT_x", "PFQX_x", "SFTY_x"), 8.0)
             | dict.fromkeys((*PIVOTS_SEEN_FROM_AB, "PSQT_radius", "sigma_rate", "dsigma_dphi"), 8.0)
@@ -237,9 +227,8 @@ HART = (
         many=200,
         # Some ten roundings from F_y to P, those of PF, and of five bars each eight.
         errors={"F_deviation": 16.0, "closure_residual": 32 * UNIT_ROUNDING},
-        # Products of two directions, each a quotient of sums and roots: 4.1 is the worst of 5000. Both directions of
-        # N take 8 roundings, the product 4; their changes with the lengths may undo each other, their roundings do not
-        # (13.4 of one in 2400). The rate of psi is a quotient of two such sums (4.5).
+        # Products of two directions, each a quotient of sums and roots (4.1), of which those of N have changes with the
+        # lengths that may undo each other, and roundings that do not (13.4). The rate of psi is a quotient (4.5).
         long_chains={"M_across_AB": 8.0, "N_across_AB": 20.0, "dpsi_dF_y": 8.0},
     ),
 )

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 import fastlink as fl
 from fastlink.app.cli import app
+from fastlink.app.study import load_extension
 from fastlink.errors import InputError
 
 MINE = '''
@@ -37,22 +38,12 @@ SPACE = {"r": [0.1, 0.12, 0.14], "l": [0.4, 0.5], "e": 0.02, "omega": 25.0, "wei
 OWN = ["--quantities-file", "mine.py"]
 
 
-def extension():
-    mine = fl.extend("slider_crank")
-    mine.input("weight", units="1", default=2.0)
-
-    @mine.quantity(units="1")
-    def cost(transmission_angle, slider_velocity, r, omega, weight):
-        """Poor transmission, and speed of the slider."""
-        return weight * (1.0 - sin(transmission_angle)) + (slider_velocity / (r * omega)) ** 2
-
-    return mine
-
-
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    path, mine = tmp_path_factory.mktemp("own") / "maps.h5", extension()
-    space = fl.grid(SPACE).with_constants({"r_tolerance": 1e-4})
+    folder = tmp_path_factory.mktemp("own")
+    (folder / "mine.py").write_text(MINE.replace('Path("ran").touch()', ""))
+    mine = load_extension(folder / "study.toml", "mine.py", "slider_crank", True)
+    space, path = fl.grid(SPACE).with_constants({"r_tolerance": 1e-4}), folder / "maps.h5"
     with fl.sweep(mine, space, NAMES, branch=1, to=path) as maps:
         return mine, maps.load(), path
 

@@ -5,12 +5,13 @@ import math
 import pickle
 import random
 import re
+from math import sin
 
 import numpy as np
 import pytest
-from tests.facts.own.declared import LENGTHS, LINKS, mine
 from tests.support.refusals import refused
-from tests.support.sweeps import TURNING, sweep_4r, sweep_both
+from tests.support.sweeps import BARS, TURNING, sweep_4r, sweep_both
+from tests.support.toys import declare_all, function_of
 
 import fastlink as fl
 from fastlink.app.study import load_extension
@@ -22,6 +23,33 @@ from fastlink.facts.own import TAKEN, TOO_LONG, is_reserved
 from fastlink.mechanisms import catalogue
 from fastlink.pictures.content import script_of
 
+mine = fl.extend("planar_4r")
+mine.input("weight", units="1", default=0.5, rule="non-negative", description="weight of poor transmission")
+mine.input("F_allowed", units="N", default=400.0, rule="positive")
+
+
+@mine.quantity(units="1", symbol="C")
+def cost(transmission_angle, omega4, omega1, weight):
+    """Poor transmission, and speed of the output."""
+    poor = 1.0 - sin(transmission_angle)
+    speed = omega4 / omega1
+    return weight * poor + speed**2
+
+
+declare_all(
+    mine,
+    {
+        "bearing_load(F21, F41)": ("N", "max(F21, F41)"),
+        "smaller_load(F21, F41)": ("N", "np.minimum(F21, F41)"),
+        "overload(bearing_load, F_allowed)": ("1", "max(bearing_load / F_allowed - 1, 0) ** 2"),
+        "off_right_angle(transmission_angle)": ("rad", "abs(transmission_angle - math.pi / 2)"),
+        "is_poor(transmission_angle)": (
+            "1",
+            "1.0 if transmission_angle < 0.7 or transmission_angle > 2.4 else 0.0",
+        ),
+    },
+)
+
 DESIGNS = fl.sobol(64, a1=(0.2, 0.5), a2=(0.9, 1.4), a3=(0.6, 1.1), a4=(0.9, 1.2), omega1=25.0, seed=3)
 #: Numbers of angles of a grid that is compared with extremes.
 ANGLES = 1000
@@ -30,7 +58,7 @@ ANGLES = 1000
 def test_values_are_those_of_the_formula():
     names = ["cost", "bearing_load", "smaller_load", "overload", "off_right_angle", "is_poor"]
     maps = sweep_both(
-        mine, DESIGNS, [*names, "transmission_angle", "omega4", "F21", "F41"], links=LINKS, angles=60
+        mine, DESIGNS, [*names, "transmission_angle", "omega4", "F21", "F41"], links=BARS, angles=60
     )
     mu, load = maps.transmission_angle, np.maximum(maps.F21, maps.F41)
     expected = {
@@ -49,17 +77,17 @@ def test_values_are_those_of_the_formula():
 
 
 def test_it_goes_to_other_processes_as_text_and_every_door_agrees():
-    maps = fl.sweep(mine, LENGTHS, ["cost", "cost_max"], theta1=np.array([1.0]), extrema="sampled", branch=1)
-    at = fl.evaluate(mine, ["cost"], **LENGTHS, theta1=1.0, branch=1)
+    maps = fl.sweep(mine, TURNING, ["cost", "cost_max"], theta1=np.array([1.0]), extrema="sampled", branch=1)
+    at = fl.evaluate(mine, ["cost"], **TURNING, theta1=1.0, branch=1)
     assert at["cost"] == maps.cost.item()
     greatest = fl.function(
-        mine, ["a1", "weight"], ["cost_max"], **{k: v for k, v in LENGTHS.items() if k != "a1"}
+        mine, ["a1", "weight"], ["cost_max"], **{k: v for k, v in TURNING.items() if k != "a1"}
     )
-    assert greatest([0.4, 0.5]).item() == fl.sweep(mine, LENGTHS, ["cost_max"], branch=1).cost_max.item()
+    assert greatest([0.4, 0.5]).item() == fl.sweep(mine, TURNING, ["cost_max"], branch=1).cost_max.item()
     assert pickle.loads(pickle.dumps(greatest))([0.4, 0.5]) == greatest([0.4, 0.5])
     again = pickle.loads(pickle.dumps(mine))
     assert repr(again) == repr(mine)
-    request = resolve(mine, LENGTHS, ["cost_max"], branch=(1, 2))
+    request = resolve(mine, TURNING, ["cost_max"], branch=(1, 2))
     travelled = pickle.loads(pickle.dumps(request))
     assert travelled.fingerprint == request.fingerprint
     assert travelled.catalogue is request.catalogue
@@ -69,9 +97,9 @@ def test_it_goes_to_other_processes_as_text_and_every_door_agrees():
 @pytest.mark.parametrize("name", ["cost", "bearing_load", "off_right_angle", "smaller_load"])
 def test_extremes_are_those_of_a_dense_grid(name):
     wanted = [f"{name}{ending}" for ending in ("_max", "_min", "_max_error", "_min_error")]
-    maps = sweep_both(mine, DESIGNS, wanted, links=LINKS)
+    maps = sweep_both(mine, DESIGNS, wanted, links=BARS)
     grid = sweep_both(
-        mine, DESIGNS, [name], links=LINKS, theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False)
+        mine, DESIGNS, [name], links=BARS, theta1=np.linspace(0.0, 2 * np.pi, ANGLES, endpoint=False)
     )
     rotates = (maps.status == 0).values
     curves = grid[name].values[rotates]
@@ -89,7 +117,7 @@ def test_extremes_are_those_of_a_dense_grid(name):
 def test_verification_with_50_digits_finds_roundings_alone():
     names = ["cost_max", "cost_extrema", "d_cost_d_a1"]
     names += ["bearing_load_max", "d_overload_d_F_allowed", "cost_error"]
-    maps = sweep_both(mine, DESIGNS, [*names, "bearing_load_error"], links=LINKS, angles=24, verify=3)
+    maps = sweep_both(mine, DESIGNS, [*names, "bearing_load_error"], links=BARS, angles=24, verify=3)
     assert maps.attrs["verify_mismatches"] == 0
     for name in ("cost_max", "d_cost_d_a1", "bearing_load_max"):
         # in units of the rounding of the inputs: the bound of `test_precision` for built-in ones
@@ -98,7 +126,7 @@ def test_verification_with_50_digits_finds_roundings_alone():
 
 
 def test_derivatives_are_those_of_differences_and_bounds_cover_choices_that_rounding_makes():
-    given = {**LENGTHS, "theta1": 1.0, "branch": 1}
+    given = {**TURNING, "theta1": 1.0, "branch": 1}
     step = 2.0**-18
     for by in ("a1", "weight"):
         moved = [fl.evaluate(mine, ["cost"], **{**given, "weight": 0.5, by: {**given, "weight": 0.5}[by] + d})["cost"]
@@ -107,7 +135,7 @@ def test_derivatives_are_those_of_differences_and_bounds_cover_choices_that_roun
         # the third derivative over six times step^2, about 1e-10 of the value; rounding over the step
         assert abs((moved[1] - moved[0]) / (2 * step) - slope) < 1e-8 * max(abs(slope), 1.0)
     # where both forces are within their errors of each other, the bound is at least the greater of both errors
-    maps = sweep_both(mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=LINKS, angles=60)
+    maps = sweep_both(mine, DESIGNS, ["bearing_load_error", "F21_error", "F41_error"], links=BARS, angles=60)
     least = np.minimum(maps.F21_error, maps.F41_error)
     assert (maps.bearing_load_error >= least).where(least.notnull(), True).all()
 
@@ -126,23 +154,23 @@ def test_extremes_at_kinks_have_no_derivative():
 
 
 def test_labels_tell_what_it_is_and_inputs_that_nothing_depends_on_stay_out():
-    maps = sweep_both(mine, LENGTHS, ["cost_max", "bearing_load_rms"], links=LINKS)
+    maps = sweep_both(mine, TURNING, ["cost_max", "bearing_load_rms"], links=BARS)
     assert maps.cost_max.attrs["long_name"].startswith("Poor transmission, and speed of the output")
     assert maps.cost_max.attrs["symbol"] == "max C"
     assert maps.bearing_load_rms.attrs["units"] == "N"
     assert maps.weight.attrs["long_name"] == "weight of poor transmission"
-    assert "declared in declared.py" in maps.cost_max.attrs["references"]
+    assert "declared in test_own_quantities.py" in maps.cost_max.attrs["references"]
     assert any(row.name == "cost" and row.units == "1" for row in fl.quantities(mine))
-    assert "cost_max" in str(fl.explain(mine, LENGTHS, ["cost_max"], branch=(1, 2)))
-    maps = sweep_both(mine, LENGTHS, ["omega4_max"])
-    assert maps.identical(sweep_4r(LENGTHS, ["omega4_max"]).assign_attrs(maps.attrs))
-    assert "weight" in sweep_both(mine, LENGTHS, ["cost_max"]).coords
-    maps = sweep_both(mine, LENGTHS, ["is_poor_max", "is_poor_mean"])
+    assert "cost_max" in str(fl.explain(mine, TURNING, ["cost_max"], branch=(1, 2)))
+    maps = sweep_both(mine, TURNING, ["omega4_max"])
+    assert maps.identical(sweep_4r(TURNING, ["omega4_max"]).assign_attrs(maps.attrs))
+    assert "weight" in sweep_both(mine, TURNING, ["cost_max"]).coords
+    maps = sweep_both(mine, TURNING, ["is_poor_max", "is_poor_mean"])
     assert maps.is_poor_max.attrs["extrema"] == "sampled"
 
 
 def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
-    maps = sweep_both(mine, LENGTHS, ["overload_max"], links=LINKS)
+    maps = sweep_both(mine, TURNING, ["overload_max"], links=BARS)
     text = maps.attrs["own_quantities"]
     names = [node.name for node in ast.parse(text).body if isinstance(node, ast.FunctionDef)]
     assert names == ["bearing_load", "overload"]
@@ -150,9 +178,9 @@ def test_a_map_holds_the_text_that_makes_it_again(tmp_path):
     file.write_text(text)
     scope = {}
     exec(compile(text, str(file), "exec"), scope)
-    again = sweep_both(scope["mine"], LENGTHS, ["overload_max"], links=LINKS)
+    again = sweep_both(scope["mine"], TURNING, ["overload_max"], links=BARS)
     assert again.overload_max.identical(maps.overload_max.assign_attrs(references="declared in again.py"))
-    assert "own_quantities" not in sweep_both(mine, LENGTHS, ["omega4_max"]).attrs
+    assert "own_quantities" not in sweep_both(mine, TURNING, ["omega4_max"]).attrs
 
 
 def test_the_best_design_is_refined_by_the_extension_of_its_map():
@@ -174,38 +202,37 @@ def test_built_in_kernels_stay_as_they_are():
     texts = [
         [
             kernel_of(program).text
-            for program in resolve(of, LENGTHS, ["omega4_max", "theta4"], branch=(1, 2)).plan.programs
+            for program in resolve(of, TURNING, ["omega4_max", "theta4"], branch=(1, 2)).plan.programs
         ]
         for of in (mine, "planar_4r")
     ]
     assert texts[0] == texts[1]
     assert not catalogue("planar_4r").is_quantity("cost")
     with refused("cost"):
-        sweep_4r(LENGTHS, ["cost"])
+        sweep_4r(TURNING, ["cost"])
 
 
 def test_a_run_of_another_definition_is_refused(tmp_path):
     other = fl.extend(mine)
     path = tmp_path / "maps.h5"
-    sweep_both(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()
-    sweep_both(mine, LENGTHS, ["cost_max"], to=path, verify=0).close()  # the same: opened
+    sweep_both(mine, TURNING, ["cost_max"], to=path, verify=0).close()
+    sweep_both(mine, TURNING, ["cost_max"], to=path, verify=0).close()  # the same: opened
 
-    @other.quantity(units="1", symbol="C")
-    def cost(transmission_angle, omega4, omega1, weight):
-        """Poor transmission, and speed of the output."""
-        return weight * (1.0 - transmission_angle) + (omega4 / omega1) ** 2
-
+    labels = {"symbol": "C", "description": "Poor transmission, and speed of the output."}
+    head, text = "cost(transmission_angle, omega4, omega1, weight)", "weight * (1.0 - transmission_angle)"
+    changed = function_of(head, f"return {text} + (omega4 / omega1) ** 2")
+    other.quantity(units="1", **labels)(changed)
     with pytest.raises(InputError, match="own_quantities"):
-        sweep_both(other, LENGTHS, ["cost_max"], to=path, verify=0)
-    one, another = (resolve(of, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint for of in (mine, other))
+        sweep_both(other, TURNING, ["cost_max"], to=path, verify=0)
+    one, another = (resolve(of, TURNING, ["cost_max"], branch=(1, 2)).fingerprint for of in (mine, other))
     assert one != another
     further = fl.extend(mine)
     further.input("unrelated", units="1")
-    assert resolve(further, LENGTHS, ["cost_max"], branch=(1, 2)).fingerprint == one
+    assert resolve(further, TURNING, ["cost_max"], branch=(1, 2)).fingerprint == one
 
 
 def test_other_inputs_have_what_is_defined_there():
-    lengths = {name: value for name, value in LENGTHS.items() if name != "omega1"}
+    lengths = {name: value for name, value in TURNING.items() if name != "omega1"}
     maps = sweep_both(mine, lengths, ["off_right_angle_max"], input="joint_angle_4")
     assert np.isfinite(maps.off_right_angle_max).any()
     with refused("bearing_load_max", "leave input out"):
@@ -216,8 +243,8 @@ def test_names_of_kernels_are_taken():
     wanted = ["omega4_max", "omega4_extrema", "F21_max_error", "d_F21_max_d_a1"]
     wanted += ["F21", "F21_mean", "T41_fluctuation", "P_straightness", "P_roundness"]
     known, names = catalogue("planar_4r"), set()
-    design = LENGTHS | {"P_u": 0.5, "P_v": 0.2}
-    for program in resolve("planar_4r", design, wanted, links=LINKS, branch=(1, 2)).plan.programs:
+    design = TURNING | {"P_u": 0.5, "P_v": 0.2}
+    for program in resolve("planar_4r", design, wanted, links=BARS, branch=(1, 2)).plan.programs:
         tree = ast.parse(kernel_of(program).text)
         names |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         names |= {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
@@ -338,40 +365,19 @@ def test_what_python_has_no_room_for_is_refused_and_more_kinks_than_are_searched
 
 # == A quantity of one's own of every mechanism: values, extremes, derivatives ===============================
 
-slider = fl.extend("slider_crank")
-hart = fl.extend("hart")
-focal = fl.extend("focal")
-minkowski = fl.extend("minkowski_4r")
-
-
-@slider.quantity(units="m s-1", description="Greater of the speeds of slider and pin")
-def of_slider_crank(slider_velocity, omega, r):
-    return max(abs(slider_velocity), omega * r / 2)
-
-
-@hart.quantity(units="m2", description="Squared distance of Q from the origin")
-def of_hart(Q_x, Q_y):
-    return Q_x**2 + Q_y**2
-
-
-@focal.quantity(units="m", description="Distance of A and B")
-def of_focal(A_x, A_y, B_x, B_y):
-    return ((A_x - B_x) ** 2 + (A_y - B_y) ** 2) ** 0.5
-
-
-@minkowski.quantity(units="m2", description="Product of the coordinates of A")
-def of_minkowski_4r(A_x, A_y):
-    return A_x * A_y
-
-
+#: The head of a quantity, its units and value, and a design.
 CASES = {
-    "slider_crank": (slider, {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 20.0}),
-    "hart": (hart, {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}),
-    "focal": (focal, {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1}),
-    "minkowski_4r": (minkowski, {"a": 1.0, "b": 7.0, "g": 4.0, "h": 1.0}),
+    "slider_crank": (
+        *("of_it(slider_velocity, omega, r)", "m s-1", "max(abs(slider_velocity), omega * r / 2)"),
+        {"r": 0.1, "l": 0.3, "e": 0.02, "omega": 20.0},
+    ),
+    "hart": ("of_it(Q_x, Q_y)", "m2", "Q_x**2 + Q_y**2", {"m": 4.0, "n": 8.0, "d": 6.0, "kappa": 0.5}),
+    "focal": (
+        *("of_it(A_x, A_y, B_x, B_y)", "m", "((A_x - B_x) ** 2 + (A_y - B_y) ** 2) ** 0.5"),
+        {"a": 5.0, "b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0, "completion": 1},
+    ),
+    "minkowski_4r": ("of_it(A_x, A_y)", "m2", "A_x * A_y", {"a": 1.0, "b": 7.0, "g": 4.0, "h": 1.0}),
 }
-
-
 LATER = ("focal", "hart")
 
 
@@ -379,19 +385,19 @@ LATER = ("focal", "hart")
     "name", [pytest.param(name, marks=pytest.mark.stress if name in LATER else ()) for name in CASES]
 )
 def test_it_is_compiled_searched_and_differentiated(name):
-    mechanism, design = CASES[name]
-    own, first = f"of_{name}", next(iter(design))
-    wanted = [own, f"{own}_max", f"{own}_min", f"d_{own}_d_{first}", f"{own}_error"]
-    maps = fl.sweep(
-        mechanism, design, wanted, angles=None if mechanism is minkowski else 90, branch=1, verify=1
-    )
-    curve = maps[own]
+    head, units, value, design = CASES[name]
+    declare_all(mechanism := fl.extend(name), {head: (units, value)})
+    slope = f"d_of_it_d_{next(iter(design))}"
+    wanted = ["of_it", "of_it_max", "of_it_min", slope, "of_it_error"]
+    angles = None if name == "minkowski_4r" else 90
+    maps = fl.sweep(mechanism, design, wanted, angles=angles, branch=1, verify=1)
+    curve = maps.of_it
     assert curve.notnull().any()
     size = float(abs(curve).max())
     # a sample is no better than the extreme; the extreme is off a sample by a step times the slope at most
-    assert float(curve.max()) <= float(maps[f"{own}_max"]) + 1e-12 * size
-    assert float(maps[f"{own}_min"]) <= float(curve.min()) + 1e-12 * size
+    assert float(curve.max()) <= float(maps.of_it_max) + 1e-12 * size
+    assert float(maps.of_it_min) <= float(curve.min()) + 1e-12 * size
     assert maps.attrs["verify_mismatches"] == 0
-    for each in (own, f"d_{own}_d_{first}"):
+    for each in ("of_it", slope):
         assert maps[each].attrs["error_max_roundings"] < 64.0
-    assert np.isfinite(maps[f"{own}_error"].where(curve.notnull())).any()
+    assert np.isfinite(maps.of_it_error.where(curve.notnull())).any()

@@ -286,7 +286,6 @@ REFUSED = {
     "no drive": ({"crank": None}, "linkage has no drive", "slider="),
     "two drives": ({"slider": {"A": {}}}, "linkage has two drives", "or slider="),
     "no stroke": ({"crank": None, "slider": {"A": ("O", 0)}}, "slider.A is ['O', 0]", '"stroke"'),
-    "no pivot": ({"crank": {"A": ("Q", "a1")}}, "'Q' is no point", "known"),
     "no ground": ({"ground": 3}, "ground is 3", "write pivots"),
     "no dyads": ({"dyads": {}}, "dyads is {}", "write such as"),
     "no pivot and no dyads": ({"crank": {"A": ("Q", "a1")}, "dyads": 3}, "'Q' is no point", "known"),

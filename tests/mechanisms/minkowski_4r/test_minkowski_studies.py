@@ -6,7 +6,6 @@ from math import comb
 from pathlib import Path
 
 import numpy as np
-import pytest
 from tests.mechanisms.minkowski_4r.test_minkowski_types import EXAMPLES
 from tests.support.refusals import refused
 from tests.support.sweeps import sweep_both
@@ -16,14 +15,10 @@ import fastlink as fl
 STUDIES = Path(__file__).parents[3] / "data" / "studies"
 
 
-@pytest.fixture(scope="module")
-def examples(tmp_path_factory):
-    with fl.run(STUDIES / "minkowski_examples.toml", to=tmp_path_factory.mktemp("examples") / "e.h5") as maps:
-        return maps.load()
-
-
-def test_the_curves_of_the_examples_are_where_the_paper_says(examples):
+def test_the_curves_of_the_examples_are_where_the_paper_says(tmp_path):
     """Figures 9 to 24: assembled up to theta_min and from theta_max on, there in both branches."""
+    with fl.run(STUDIES / "minkowski_examples.toml", to=tmp_path / "examples.h5") as maps:
+        examples = maps.load()
     lengths = [lengths for lengths, *_ in EXAMPLES.values()]
     np.testing.assert_array_equal(np.array([examples[name] for name in "abgh"]).T, lengths)
     cosh = np.cosh(examples.theta)
@@ -33,18 +28,6 @@ def test_the_curves_of_the_examples_are_where_the_paper_says(examples):
     found = np.isfinite(examples.psi).all("branch")
     assert bool((found == closes).where(sure, True).all())
     assert 0 < int(closes[:, 0].sum()) < 401
-
-
-@pytest.fixture(scope="module")
-def tables(tmp_path_factory):
-    """The study of the paper's tables with whole lengths up to 9."""
-    folder = tmp_path_factory.mktemp("tables")
-    text = (STUDIES / "minkowski_tables.toml").read_text(encoding="utf-8")
-    assert "32 x 32 x 32 x 32" in text
-    study = folder / "tables.toml"
-    study.write_text(text.replace("linspace = [1.0, 32.0, 32]", "linspace = [1.0, 9.0, 9]"), encoding="utf-8")
-    with fl.run(study, to=folder / "tables.h5"):
-        return fl.minkowski.linkage_table(folder / "tables.h5")
 
 
 def by_the_theorems():
@@ -76,7 +59,14 @@ def by_the_theorems():
     return counts
 
 
-def test_the_study_fills_the_tables_of_the_paper(tables):
+def test_the_study_fills_the_tables_of_the_paper(tmp_path):
+    """With whole lengths up to 9."""
+    text = (STUDIES / "minkowski_tables.toml").read_text(encoding="utf-8")
+    assert "32 x 32 x 32 x 32" in text
+    study = tmp_path / "tables.toml"
+    study.write_text(text.replace("linspace = [1.0, 32.0, 32]", "linspace = [1.0, 9.0, 9]"), encoding="utf-8")
+    fl.run(study, to=tmp_path / "tables.h5").close()
+    tables = fl.minkowski.linkage_table(tmp_path / "tables.h5")
     columns = ["kind", "input", "output", "T1", "T2", "T3", "T4", "T5", "linkages"]
     found = {
         (kind, f"{crank}-{rocker}", *signs): count

@@ -48,6 +48,19 @@ def configurations(drive, n):
             yield given, found
 
 
+def coefficients(a, b, c, d, pair):
+    """Return the coefficients of an equation by the products of its factors."""
+    factors = {
+        "A": (a - b + c - d, a + b + c - d),
+        "B": (a + b - c - d, a - b - c - d),
+        "C": (a - b - c + d, a + b - c + d),
+        "D": (a + b + c + d, a - b + c + d),
+    }
+    equation, (of_ac, of_bd) = EQUATIONS[pair]
+    P, Q, R, S = (factors[t[0]][int(t[1]) - 1] * factors[t[2]][int(t[3]) - 1] for t in equation.split())
+    return P, Q, R, of_ac * a * c + of_bd * b * d, S
+
+
 @pytest.mark.parametrize("drive", DRIVES)
 def test_the_six_equations_and_their_derivatives_hold(drive):
     """Equations (1) to (6), (7) and (8) of all pairs, with v'' = (theta'' + v theta'^2)(1 + v^2)/2."""
@@ -63,17 +76,8 @@ def test_the_six_equations_and_their_derivatives_hold(drive):
                 ddv[str(i)] = (bend + x * rate**2) * (1 + x**2) / 2
                 for name, slope in ((f"v{i}_dot", dv[str(i)]), (f"v{i}_ddot", ddv[str(i)])):
                     assert abs(joints[name] - slope) < EXACT * (1 + x**2) ** 2
-            factors = {
-                "A": (a - b + c - d, a + b + c - d),
-                "B": (a + b - c - d, a - b - c - d),
-                "C": (a - b - c + d, a + b - c + d),
-                "D": (a + b + c + d, a - b + c + d),
-            }
-            for (i, j), (equation, (of_ac, of_bd)) in EQUATIONS.items():
-                P, Q, R, S = (
-                    factors[t[0]][int(t[1]) - 1] * factors[t[2]][int(t[3]) - 1] for t in equation.split()
-                )
-                cross = of_ac * a * c + of_bd * b * d
+            for i, j in EQUATIONS:
+                P, Q, R, cross, S = coefficients(a, b, c, d, i + j)
                 x, y, dx, dy, ddx, ddy = v[i], v[j], dv[i], dv[j], ddv[i], ddv[j]
                 slope_x, slope_y = 2 * (P * y**2 + Q) * x + cross * y, 2 * (P * x**2 + R) * y + cross * x
                 small = EXACT * (1 + x**2) ** 2 * (1 + y**2) ** 2
@@ -155,6 +159,7 @@ def test_io_coefficients_are_those_of_the_loop(pair):
     for lengths in np.random.default_rng(32).integers(1, 30, (40, 4)):
         value = exact_equation(lengths, pair)
         c = [Fraction(float(entry)) for entry in fl.planar.io_coefficients(design_of(*lengths), pair=pair)]
+        assert c == [*coefficients(*map(int, lengths), pair)]
         ratios = set()
         for x, y in ((2, 3), (1, -1), (0, 5), (7, 0), (-3, 4), (0, 0), (1, 2)):
             x, y = Fraction(x), Fraction(y)

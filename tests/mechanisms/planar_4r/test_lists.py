@@ -23,20 +23,17 @@ from tests.support.sweeps import sweep_4r
 import fastlink as fl
 
 # == Every extreme of a quantity of the planar 4R by exact algebra: no sample may miss one, no rounding make one up
-# With t = tan(theta1/2) and y the area of the triangle ABD times a factor, whose square is a polynomial of t, every
-# quantity here is (A + B y)/D with polynomials A, B, D of t over the rationals: sums, products, quotients and
-# derivatives are of that kind again. Where its derivative vanishes is a root of A^2 - B^2 y^2, and the sign of -A/B
-# there tells the branch. Real roots are isolated by balls. Magnitudes are taken by their squares. A gap of the
-# lengths within their rounding is zero, as for the kernels: lengths are moved, by parts of their last bits.
+# With t = tan(theta1/2) and y an area, whose square is a polynomial of t, every quantity is (A + B y)/D with rational
+# polynomials of t. A zero of its slope is a root of A^2 - B^2 y^2; the sign of -A/B tells the branch. Balls isolate the
+# roots. A gap of the lengths within their rounding is zero, as for the kernels.
 
 #: Of balls; where a sign is not settled with the first, with the next: beside a fold much cancels. Roots that need more
 #: than the first take minutes to isolate, with however many.
 BITS = (1024, 16384, 65536)
 #: What vanishes at change points: signs of a1 ... a4.
 GAPS = ((1, -1, 1, -1), (1, 1, -1, -1), (1, -1, -1, 1))
-#: Kernels take what is within 2^-52 of the scale from a fold for the fold itself, and what is within 2^-26 from a
-#: toggle, where the quantity is as great as there but for a rounding, for the toggle. Here by the sine of the
-#: transmission angle, which is some tens of that at most.
+#: Kernels take what is within 2^-52 of the scale from a fold for the fold itself, within 2^-26 from a toggle for the
+#: toggle. Here by the sine of the transmission angle, which is some tens of that at most.
 AT_FOLD, AT_TOGGLE = 2.0**-46, 2.0**-20
 #: Quantities of which the exact extremes are known here.
 LISTED = ("omega2", "omega4", "alpha2", "alpha4", "P_speed", "curvature", "T41", "F41", "F21", "F32", "F43")
@@ -158,9 +155,6 @@ def zeroed(lengths):
         share = sum(x * y for x, y in zip(row, a, strict=True)) / sum(x * x for x in row)
         a = [x - share * y for x, y in zip(a, row, strict=True)]
     return tuple(a)
-
-
-Vector = tuple[Number, Number]
 
 
 def add(*vectors):
@@ -393,11 +387,7 @@ def _sign(number, t, area):
 
 
 def exact_extrema(inputs, name, *, zeroes=True):
-    """Return every extreme of a quantity of one design, by branch and input angle.
-
-    Places where the linkage folds or toggles are none. `zeroes` tells whether a gap within the rounding of the lengths
-    is zero.
-    """
+    """Return every extreme of a quantity of one design but at folds and toggles, by branch and input angle."""
     slopes = Slopes(inputs, name, zeroes)
     for bits in BITS:
         with flint.ctx.workprec(bits), contextlib.suppress(Unsettled):
@@ -644,8 +634,7 @@ def test_lists_beside_folds_hold_the_exact_extremes_or_have_no_bound():
 
 
 #: Of designs beside folds, by how many are drawn: a quantity, those whose lists doubles do not decide, and how many of
-#: these are wrong at least, as entries are lost in rounding beside the fold (F41, one list of them empty). Others were:
-#: an extreme may be on the other side of the fold (omega2), or rounding beside a toggle that is almost a fold.
+#: these are wrong at least, as entries are lost in rounding beside the fold (F41, one list of them empty).
 UNDECIDED = {("F41", 60): ((3, 15, 54), 3), ("omega2", 150): ((75,), 0), ("curvature", 1000): ((29,), 0)}
 
 
@@ -684,9 +673,8 @@ MANY = {
         LISTED,
     ),
 }
-#: Which share of lists may lack what rounding hides, or hold what it makes up, all of them flagged. Sizes of forces
-#: have two extremes next to each toggle, where loads are great too close to tell. Poles of curvatures at folds hide
-#: more than others do (217 of 2,000), and so does a component of a force with loads of all sizes (79 of 600).
+#: Which share of lists may lack what rounding hides, or hold what it makes up, all of them flagged: with great loads
+#: extremes next to toggles are too close to tell, and poles of curvatures at folds hide more than others do.
 MOST = {"ordinary": 0.0, "turning load": 0.2, "peaks": 0.02, "folds": 0.1}
 MOST |= {("folds", "curvature"): 0.12, ("folds", "F32_y"): 0.14}
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from tests.support.configurations import (
+    CURVE,
     LENGTHS,
     LOADS,
     PLANAR,
@@ -17,7 +18,6 @@ from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
 from fastlink.codegen.kernel import kernel_of
-from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.plan.programs import make_program
 from fastlink.plan.request import selected_variants
@@ -106,22 +106,15 @@ HOEKEN = {"a1": 1.0, "a2": 2.5, "a3": 2.5, "a4": 2.0, "P_u": 5.0, "P_v": 0.0}
 ARC = np.linspace(2.1, 4.2, 72)
 
 
-@pytest.fixture(scope="module")
-def paths():
-    """Return designs, their sweep, and the points of their paths (design, branch, position, 2)."""
-    columns = draw(catalogue("planar_4r").inputs, np.random.default_rng(5), 400)
-    columns = {name: columns[name] for name in ("a1", "a2", "a3", "a4", "P_u", "P_v")}
-    columns["a1"] *= np.where(np.arange(400) % 3, 0.2, 1.0)
-    names = ["P_straightness", "P_roundness"]
-    maps = sweep_4r(fl.table(columns), names, theta1=ARC)
-    wide = {name: values[:, None, None] for name, values in columns.items()}
-    found = fl.evaluate("planar_4r", ["P_x", "P_y"], theta1=ARC, branch=np.array([[1], [2]]), **wide)
-    return maps, np.stack([found["P_x"], found["P_y"]], axis=-1)
-
-
-def test_paths_that_are_nearly_straight_or_round_have_the_narrowest_strip_and_ring(paths):
+def test_paths_that_are_nearly_straight_or_round_have_the_narrowest_strip_and_ring():
     """The reference is the convex hull. The sums of each point's distance have ten roundings of the path's size."""
-    maps, points = paths
+    columns = draw(PLANAR.inputs, np.random.default_rng(5), 400)
+    columns = {name: columns[name] for name in CURVE}
+    columns["a1"] *= np.where(np.arange(400) % 3, 0.2, 1.0)
+    maps = sweep_4r(fl.table(columns), ["P_straightness", "P_roundness"], theta1=ARC)
+    wide = {name: values[:, None, None] for name, values in columns.items()}
+    at = fl.evaluate("planar_4r", ["P_x", "P_y"], theta1=ARC, branch=np.array([[1], [2]]), **wide)
+    points = np.stack([at["P_x"], at["P_y"]], axis=-1)  # (design, branch, position, 2)
     whole = np.isfinite(points).all(axis=(-1, -2))
     exact = np.where(whole, fl.planar.straightness(points[..., 0], points[..., 1]), np.nan)
     found, size = maps.P_straightness.values, np.ptp(points, axis=-2).max(axis=-1)
@@ -175,8 +168,6 @@ def test_what_has_no_path_is_refused():
 
 # == Forces at the folded position of a change point: infinite or not, however small the factor of the pole is
 
-FORCES_POLE = ("F21", "F32", "F41", "F43")
-
 
 def change_points(seed, n):
     """Return change points of whole lengths, a1 + a2 = a3 + a4, with masses and mass centres of any size."""
@@ -198,20 +189,20 @@ def change_points(seed, n):
 def test_forces_are_infinite_where_they_have_a_pole():
     n = 500
     design = change_points(1, n)
-    asked = [f"{name}_{end}" for name in FORCES_POLE for end in ("max", "max_error")]
+    asked = [f"{name}_{end}" for name in FORCES for end in ("max", "max_error")]
     maps = sweep_4r(fl.table(design), asked)
     infinite = 0
     for branch in (1.0, 2.0):
         near, nearer = (
-            fl.evaluate("planar_4r", FORCES_POLE, theta1=np.full(n, theta), branch=branch, **design)
+            fl.evaluate("planar_4r", FORCES, theta1=np.full(n, theta), branch=branch, **design)
             for theta in (1e-50, 1e-55)
         )
-        for name in FORCES_POLE:
+        for name in FORCES:
             # a pole grows by 1e5 from there to there, a sum of other powers not at all
             grows = nearer[name] > 1e4 * near[name]
             most = maps[f"{name}_max"].sel(branch=branch).values
             np.testing.assert_array_equal(np.isinf(most), grows)
             assert np.all(np.isinf(maps[f"{name}_max_error"].sel(branch=branch).values[grows]))
             infinite += grows.sum()
-    of = 2 * len(FORCES_POLE) * n
+    of = 2 * len(FORCES) * n
     assert 0.2 * of < infinite < 0.8 * of
