@@ -20,6 +20,7 @@ from fastlink.mechanisms import catalogue
 from fastlink.plan.request import constants_of, selected_variants
 from fastlink.precision.errors import unit_of
 from fastlink.precision.independent import TOLERANCE, TURNING, IndependentValues, model_of
+from fastlink.precision.loops import Singular, corner
 from fastlink.precision.reference import CONTEXT, HighPrecision
 
 ENTRY = {str(entry): entry for entry in ENTRIES if entry.solver == "eliminated"}
@@ -180,6 +181,9 @@ def test_what_the_reference_cannot_tell_is_no_failure():
     at = double | {"phi": -1375454924335.5095, "omega": 1.0}
     assert np.isfinite(fl.evaluate("focal", ["P_x"], **at)["P_x"])
     assert references(model_of(catalogue("focal")), {"P_x": 0}, [at], 256)[3] == UNKNOWN
+    with pytest.raises(Singular, match="coincide"):  # a triangle over no base
+        corner(CONTEXT, CONTEXT.mpc(0), CONTEXT.mpf(1), CONTEXT.mpf(1), 1)
+    assert abs(corner(CONTEXT, CONTEXT.mpc(1), CONTEXT.mpf(1), CONTEXT.mpf(1), 1)) == 1
 
 
 def nearly(right):
