@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.patches import Ellipse
 from numpy.testing import assert_allclose
 from PIL import Image
 from scipy.spatial import cKDTree
@@ -24,6 +25,7 @@ import fastlink as fl
 from fastlink.mechanisms import NAMES, catalogue, inputs_of
 from fastlink.numerics.compensated import UNIT_ROUNDING
 from fastlink.pictures.draw import picture_of
+from fastlink.pictures.linkage import GRID
 from fastlink.pictures.motion import PLANES, Motion
 
 FOUR_BAR = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
@@ -263,6 +265,21 @@ def test_the_teeth_of_a_comb_are_as_long_as_the_curvature():
 def test_every_path_that_is_bent_has_a_comb(mechanism, show, paths):
     """Hart's line has none: its curvature is rounding alone."""
     assert len(teeth(fl.draw(mechanism, DESIGNS[mechanism], show=show, branch=1))) == paths
+
+
+@pytest.mark.parametrize(("phi", "sign"), [(4.93, 1.0), (1.3, -1.0)], ids=["ellipse", "hyperbola"])
+def test_a_conic_has_the_foci_that_are_shown(phi, sign):
+    """Distances to them have one sum or one difference; the splines of a drawn ellipse are off by 1e-6 of it."""
+    design = DESIGNS["focal"] | {"phi": phi}
+    axis = fl.draw("focal", design, show="foci", branch=1).axes[0]
+    to_data = axis.transData.inverted().transform
+    drawn = [to_data(one.get_verts()) for one in axis.patches if isinstance(one, Ellipse)]
+    drawn += [one.get_xydata() for one in axis.lines if len(one.get_xdata()) == GRID]
+    (other,) = [one.get_xydata()[0] for one in axis.lines if one.get_marker() == "x"]
+    focus = [*fl.evaluate("focal", ["F_x", "F_y"], **design, branch=1).values()]
+    to_focus, to_other = (np.hypot(*(np.concatenate(drawn) - at).T) for at in (focus, other))
+    assert_allclose(abs(to_focus + sign * to_other), abs(to_focus[0] + sign * to_other[0]), rtol=1e-5)
+    assert np.ptp(to_focus) > 0.1 * design["a"]
 
 
 def test_a_circle_has_teeth_of_one_length_in_either_plane():
