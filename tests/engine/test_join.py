@@ -142,13 +142,8 @@ def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
     parts = [fl.open(path).load() for path in paths]
     with fl.join(paths, to=tmp_path / "maps.h5") as joined:
         assert joined.attrs["designs"] == 35
-        for name in [
-            "run_time_s",
-            "set_up_time_s",
-            "verified_designs",
-            "verify_mismatches",
-            "configurations",
-        ]:
+        times = ["run_time_s", "set_up_time_s"]
+        for name in (*times, "verified_designs", "verify_mismatches", "configurations"):
             assert joined.attrs[name] == sum(part.attrs[name] for part in parts)
         assert joined.attrs["core_time_s"] == 2 * joined.attrs["run_time_s"]
         counts = [name for name in joined.attrs if name.startswith("designs_") and "per" not in name]

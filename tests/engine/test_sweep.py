@@ -411,14 +411,11 @@ def test_a_speed_axis_has_the_bits_of_its_speeds(order, block, tmp_path):
 
 
 def test_any_speed_is_within_rounding():
-    together = sweep_scaled(
-        ["shaking_force_max", "omega4_max"], a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=[3.0, 7.0, 25.0]
-    )
+    names, lengths = ["shaking_force_max", "omega4_max"], CRANK | {"a2": COUPLERS}
+    together = sweep_scaled(names, **lengths, omega1=[3.0, 7.0, 25.0])
     for speed in together.omega1.values:
-        alone = sweep_scaled(
-            ["shaking_force_max", "omega4_max"], a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=float(speed)
-        )
-        for name in ("shaking_force_max", "omega4_max"):
+        alone = sweep_scaled(names, **lengths, omega1=float(speed))
+        for name in names:
             # Extremes of size do not cancel: both ways are within 4 (1 + 2) roundings, by the power of omega1.
             assert_allclose(together[name].sel(omega1=speed), alone[name], rtol=2 * 12 * UNIT_ROUNDING)
 

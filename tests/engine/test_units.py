@@ -354,9 +354,8 @@ HEADS = ["a1 [mm]", "a1 (mm)", "a1[ mm ]", "a1_mm", "a1  [millimeters]"]
 
 @pytest.mark.parametrize("head", HEADS)
 def test_heads_of_columns_state_units(head, tmp_path):
-    expected = swept(
-        fl.table({"a1": [0.4, 0.41], "density": 7850.0, **several(REST)}), links=fl.round_bar(radius=0.01)
-    )
+    links = fl.round_bar(radius=0.01)
+    expected = swept(fl.table({"a1": [0.4, 0.41], "density": 7850.0, **several(REST)}), links=links)
     frame = pd.DataFrame(
         {head: [400.0, 410.0], **{f"{name} [{unit}]": [one, 2 * one] for name, unit, one in COLUMNS}}
     )
@@ -365,9 +364,7 @@ def test_heads_of_columns_state_units(head, tmp_path):
     frame.to_parquet(tmp_path / "designs.parquet")
     expected = expected.drop_vars("density")
     for source in (frame, tmp_path / "designs.csv", tmp_path / "designs.parquet"):
-        xr.testing.assert_equal(
-            swept(fl.table(source), links=fl.round_bar(radius=0.01)).drop_vars("density"), expected
-        )
+        xr.testing.assert_equal(swept(fl.table(source), links=links).drop_vars("density"), expected)
 
 
 COLUMNS = [("a2", "m", 1.1), ("a3", "cm", 80.0), ("a4", "mm", 1000.0), ("omega1", "rad/s", 25.0)]

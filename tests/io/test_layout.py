@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
+from tests.io.test_resume import RUNS
 from tests.support.refusals import refused
 from tests.support.study_files import BARE
 from tests.support.sweeps import sweep_4r, sweep_both
@@ -178,21 +179,9 @@ def test_pieces_and_designs_of_bytes_agree():
 
 # == Coordinates that are computed block by block are written so: equal to those in memory ===================
 
-FIXED = {"a1": 0.4, "a4": 1.0}
 NAMES_COMPUTED = ["omega4_max", "transmission_angle_min"]
-GRID = fl.grid(a2=np.linspace(1.0, 1.4, 30), a3=np.linspace(0.6, 1.0, 40), omega1=2.0, **FIXED)
-TABLE = fl.table(
-    {"a2": np.linspace(1.0, 1.4, 900), "a3": 0.8, "maker": [f"No. {k}" for k in range(900)], **FIXED}
-)
-SPACES_COMPUTED = {
-    "of a whole grid": GRID,
-    "of a grid": GRID.consecutive(100, 700),
-    "of a table with texts": TABLE.with_constants({"omega1": 2.0}).consecutive(10, 610),
-    "with a scaling axis": TABLE.consecutive(100, 500).with_axis("omega1", [1.0, 2.5, 7.0]),
-    "with an axis": fl.grid(a2=np.linspace(1.0, 1.4, 500), omega1=2.0, **FIXED)
-    .consecutive(100, 400)
-    .with_axis("a3", [0.7, 0.8]),
-}
+#: Of the runs that may be interrupted: those with consecutive designs, and a whole grid.
+SPACES_COMPUTED = {name: RUNS[name][0] for name in RUNS if name == "grid" or "consecutive" in name}
 
 
 def sweep_computed(space, **options):

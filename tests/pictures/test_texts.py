@@ -74,7 +74,7 @@ KINDS = {
     "corner": plot([FORCE, ANGLE, "a2", "a3"], where={"status": "rotates_fully", ANGLE: (0.2, None)}),
     "corner of two": plot([FORCE, ANGLE], kind="corner"),
     "corner of six": plot([FORCE, ANGLE, "omega4_max", "a2", "a3", "a4"]),
-    "cumulative": plot([FORCE]),
+    "cumulative": plot(FORCE, kind="cumulative"),
     "cumulative of two": plot([FORCE, ANGLE], kind="cumulative"),
     "front": plot(minimise=FORCE, maximise=ANGLE, degrees=True, where="rotates_fully"),
     "front of three": plot(minimise=[FORCE, "omega4_max"], maximise=ANGLE),

@@ -309,6 +309,7 @@ def test_cognates_draw_the_same_curve():
 
 
 SLIDER = {"mechanism": "slider_crank"}
+LOG = SLIDER | {"function": np.log10, "over": (1, 2)}
 
 
 @pytest.mark.parametrize(
@@ -328,14 +329,14 @@ SLIDER = {"mechanism": "slider_crank"}
         ({"path": ARC, "timing": list("abcde")}, "timing has the shape (0,), and there are 5 points"),
         ({"function": lambda x: 1 / 0, "over": (0, 1), "turn_deg": (60, 60)}, "function: cannot be called"),
         ({}, "synthesise has no task"),
-        (SLIDER | {"function": np.log10, "over": (1, 2)}, "turn_deg is missing; write the turn, such as"),
-        (SLIDER | {"function": np.log10, "over": (1, 2), "turn_deg": (0, 400)}, "turn_deg is (0, 400); write a turn"),
-        (SLIDER | {"function": lambda x: 0 * x, "over": (1, 2), "turn_deg": 60}, "function has one value alone"),
-        (SLIDER | {"function": np.sin, "over": (0, 3), "turn_deg": 60, "travel": 0.0}, "travel is 0.0; write how far"),
+        (LOG, "turn_deg is missing; write the turn, such as"),
+        (LOG | {"turn_deg": (0, 400)}, "turn_deg is (0, 400); write a turn up to"),
+        (LOG | {"function": lambda x: 0 * x, "turn_deg": 60}, "function has one value alone"),
+        (LOG | {"turn_deg": 60, "travel": 0.0}, "travel is 0.0; write how far"),
         (SLIDER | {"path": np.eye(2), "exact": True}, "exact is for planar_4r"),
-        (SLIDER | {"path": np.eye(5, 2), "bounds": {"a1": (0, 1)}}, "bounds: 'a1' is no number of a linkage"),
-        (SLIDER | {"path": np.eye(5, 2), "bounds": {"r": (-1, 0)}}, "bounds: r is (-1, 0), and a length is positive"),
-        (SLIDER | {"motion": np.arange(15).reshape(5, 3) / 10}, "rotation_length is missing: over four poses"),
+        (SLIDER | {"path": ARC, "bounds": {"a1": (0, 1)}}, "bounds: 'a1' is no number of a linkage"),
+        (SLIDER | {"path": ARC, "bounds": {"r": (-1, 0)}}, "bounds: r is (-1, 0), and a length is positive"),
+        (SLIDER | {"motion": POSES}, "rotation_length is missing: over four poses"),
     ],
 )  # fmt: skip
 def test_bad_tasks_are_refused_with_a_remedy(task, line):

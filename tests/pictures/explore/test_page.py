@@ -600,15 +600,12 @@ def test_a_linkage_that_is_dragged_apart_stops_there(show, coupler_page):
 
 @pytest.mark.stress
 def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(show):
-    maps = sweep_4r(
-        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0), ["omega4"], theta1_deg=[10, 50]
-    )
+    design = {"a2": 1.1, "a3": 0.8, "a4": 1.0, "omega1": 10.0}
+    maps = sweep_4r(fl.grid(design, a1=[0.3, 0.4]), ["omega4"], theta1_deg=[10, 50])
     with fl.explore(maps, browser=False) as page:
         tab = show(page.url)
         tab.locator("#type-a1").fill("0.35")
         settled(tab, "!loading && !designing && state.cursor?.free?.a1 === 0.35")
-        true = fl.evaluate(
-            "planar_4r", ["omega4"], a1=0.35, a2=1.1, a3=0.8, a4=1.0, omega1=10.0, theta1_deg=10, branch=1
-        )
+        true = fl.evaluate("planar_4r", ["omega4"], **design, a1=0.35, theta1_deg=10)
         assert state(tab, "state.cursor.theta1") == 0
         assert state(tab, "design.row.omega4") == pytest.approx(float(true["omega4"]), rel=1e-9)
