@@ -43,10 +43,9 @@ theta1 = 36
 
 
 @pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def folder(folder):
     Path("study.toml").write_text(STUDY)
-    return tmp_path
+    return folder
 
 
 @pytest.fixture(scope="module")
@@ -108,10 +107,8 @@ def test_an_unchanged_study_is_up_to_date(folder):
     assert quiet.output == f"{folder / 'study.h5'} is up to date\n"
     assert again.output.startswith(quiet.output)
     assert again.output.splitlines()[-1].split()[1] == str(folder / "study.h5")
-    assert (Path("study.h5").stat().st_mtime_ns, Path("study.h5").stat().st_ino) == (
-        before.st_mtime_ns,
-        before.st_ino,
-    )
+    after = Path("study.h5").stat()
+    assert (after.st_mtime_ns, after.st_ino) == (before.st_mtime_ns, before.st_ino)
     assert called("run", "study.toml", "--overwrite", "--quiet").output == ""
     assert Path("study.h5").stat().st_ino != before.st_ino
 
@@ -131,10 +128,8 @@ def test_run_replaces_a_file_only_with_overwrite(folder):
 
 def test_problems_of_a_study_are_a_line_each_with_what_to_write(folder):
     Path("study.toml").write_text(STUDY.replace("\na1", "\na9").replace("omega4_max", "omega9_max"))
-    assert [line.split(": ")[1].split(" ")[0] for line in refused("run", "study.toml")] == [
-        "quantities[0]",
-        "design.a9",
-    ]
+    keys = [line.split(": ")[1].split(" ")[0] for line in refused("run", "study.toml")]
+    assert keys == ["quantities[0]", "design.a9"]
     done = called("run", "study.toml", "--branch", 2)
     assert done.exit_code == 2
     assert "write branch in the study, under [cycle]" in " ".join(done.stderr.split())
@@ -165,11 +160,8 @@ def test_a_remark_is_one_line(folder):
 )
 def test_an_interrupted_run_is_kept_to_go_on(folder, number, word, code):
     # 2 10^7 designs: some seconds at the least
-    Path("study.toml").write_text(
-        STUDY.replace("1.4, 5]", "1.4, 2000]")
-        .replace("1.0, 4]", "1.0, 10000]")
-        .replace("theta1 = 36", "theta1 = 1000")
-    )
+    long = STUDY.replace("1.4, 5]", "1.4, 2000]").replace("1.0, 4]", "1.0, 10000]")
+    Path("study.toml").write_text(long.replace("theta1 = 36", "theta1 = 1000"))
     # A shell's background job ignores the signal, and so would the child.
     heed = "import os, signal, sys; signal.signal(signal.SIGINT, signal.SIG_DFL); os.execv(sys.argv[1], sys.argv[1:])"
     command = [sys.executable, "-c", heed, *MAIN, "run", "study.toml"]
@@ -363,18 +355,13 @@ def test_an_option_that_is_written_as_an_input_is_refused_with_how_it_is_written
             if option:
                 assert re.search(rf"; write {option}( 3)?$", line), line
     for words, remedy in {
-        ("draw", "slider_crank", "r=0.1", "l=0.3", "e=0.02", "branch=1"): "; write --branch 1",
-        ("draw", "planar_4r", "degrees=1"): "; write --degrees",
-        (
-            "draw",
-            "planar_4r",
-            "a1=0.4",
-            "title=press",
-        ): "title is 'press', not a number; write such as a1=0.4",
-        ("tolerance", "study.h5", "quantities_file=own.py"): "; write --quantities-file own.py",
-        ("plot", "study.h5", "omega4_max", "a3=0.6"): "a3=0.6 is no variable; write --at a3=0.6",
+        "draw slider_crank r=0.1 l=0.3 e=0.02 branch=1": "; write --branch 1",
+        "draw planar_4r degrees=1": "; write --degrees",
+        "draw planar_4r a1=0.4 title=press": "title is 'press', not a number; write such as a1=0.4",
+        "tolerance study.h5 quantities_file=own.py": "; write --quantities-file own.py",
+        "plot study.h5 omega4_max a3=0.6": "a3=0.6 is no variable; write --at a3=0.6",
     }.items():
-        (line,) = refused(*words)
+        (line,) = refused(*words.split())
         assert line.endswith(remedy)
 
 

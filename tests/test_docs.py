@@ -36,17 +36,14 @@ DOCUMENTS = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs
     [pytest.param(d, marks=[pytest.mark.stress] * (d.name in LONG)) for d in DOCUMENTS if d != OTHERS],
     ids=lambda path: path.name,
 )
-def test_the_examples_of_the_documents(document, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_the_examples_of_the_documents(document, folder):
     for sheet in code_blocks(document.read_text(), "facts"):
         if named := re.match(r"# (\w+\.facts)", sheet):
             Path(named[1]).write_text(sheet)
     result = doctest.testfile(str(document), module_relative=False, encoding="utf-8")
     assert result.failed == 0
-    if (
-        document.name in ("start.md", "design_search.md", "performance.md")
-        or document.parent.name == "how_to"
-    ):
+    with_commands = ("start.md", "design_search.md", "performance.md")
+    if document.name in with_commands or document.parent.name == "how_to":
         run_commands("".join(code_blocks(document.read_text(), "sh")))
 
 
@@ -93,13 +90,12 @@ def test_every_section_that_a_source_names_exists(mechanism):
 README = (ROOT / "README.md").read_text()
 
 
-def test_the_python_example_of_the_readme(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
+def test_the_python_example_of_the_readme(folder, capsys):
     (example,) = code_blocks(README, "python")
-    (tmp_path / "maps.h5").write_text("of an earlier run")
+    (folder / "maps.h5").write_text("of an earlier run")
     exec(compile(example, "README.md", "exec"), {})
     assert re.fullmatch(r"a2 = 1\.\d{3} m, a3 = \d\.\d{3} m\n", capsys.readouterr().out)
-    fl.open(tmp_path / "maps.h5").close()
+    fl.open(folder / "maps.h5").close()
 
 
 @pytest.mark.parametrize("count", [9, pytest.param(101, marks=pytest.mark.stress)])
@@ -190,8 +186,7 @@ def examples_of(name):
 
 
 @pytest.mark.parametrize("name", modules())
-def test_docstring_examples(name, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+def test_docstring_examples(name, folder):
     runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE)
     for example in examples_of(name):
         runner.run(example)

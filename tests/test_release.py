@@ -42,8 +42,7 @@ def test_citation_and_changelog_are_of_this_version():
     assert sections[0] == "[Unreleased]"
     version, _, date = sections[1].partition(" - ")
     assert version == f"[{PROJECT['version']}]"
-    released = str(yaml.safe_load((ROOT / "CITATION.cff").read_text())["date-released"])
-    assert date == released
+    assert date == str(citation["date-released"])
 
 
 def run(*command, **options):

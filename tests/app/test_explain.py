@@ -34,12 +34,12 @@ explain_module = sys.modules["fastlink.app.explain"]
 LENGTHS = {"a1": 0.4, "a2": 1.1, "a3": 0.8, "a4": 1.0}
 
 
-def asked(names, mechanism="planar_4r", angles=36, **inputs):
-    return explain_request(
-        resolve(
-            mechanism, fl.grid(**LENGTHS, **inputs), names, angles=angles, extrema="sampled", branch=(1, 2)
-        )
-    )
+def explained(names, space, mechanism="planar_4r", **options):
+    return explain_request(resolve(mechanism, space, names, branch=(1, 2), **options))
+
+
+def asked(names, **inputs):
+    return explained(names, fl.grid(**LENGTHS, **inputs), angles=36, extrema="sampled")
 
 
 class Tally(float):
@@ -101,15 +101,11 @@ def test_a_map_of_designs_touches_no_angle_and_refined_extremes_tell_samples_and
     assert [loop.per for kernel in found.kernels for loop in kernel.loops] == ["design"]
     assert {"omega4", "shaking_force", "theta4"} < set(found.left_out)
     assert not {"grashof_class", "swing", "status"} & set(found.left_out)
-    found = explain_request(
-        resolve("planar_4r", fl.grid(**LENGTHS, omega1=9.0), ["omega4_max"], branch=(1, 2))
-    )
+    found = explained(["omega4_max"], fl.grid(**LENGTHS, omega1=9.0))
     pers = [loop.per for kernel in found.kernels for loop in kernel.loops]
     assert {"design", "design and sample", "place", "extreme"} <= set(pers)
     space = fl.grid(a=1.0, b=1.1, g=0.9, h=0.8)
-    found = explain_request(
-        resolve("minkowski_4r", space, ["psi"], angles=np.linspace(-1.0, 1.0, 600), branch=(1, 2))
-    )
+    found = explained(["psi"], space, "minkowski_4r", angles=np.linspace(-1.0, 1.0, 600))
     assert "for piece in" in found.kernels[-1].source.text
     assert [loop.per for loop in found.kernels[-1].loops] == ["design", "design and theta"]
 
@@ -134,7 +130,7 @@ def test_a_search_is_told_by_what_is_searched():
     """Steps and extremes of each quantity, samples of all, with what is told by both sides of the range."""
     names = ["omega4_max", "T41_extrema"]
     space = fl.grid(**LENGTHS, omega1=9.0, gravity_y=-9.81)  # gravity makes the sides unlike
-    found = explain_request(resolve("planar_4r", space, names, links=BARS, branch=(1, 2)))
+    found = explained(names, space, links=BARS)
     loops = {(loop.per, loop.times): loop.work for kernel in found.kernels for loop in kernel.loops}
     for quantity in ("omega4", "T41"):
         step = loops["place", f"each step of the search of {quantity}"]
@@ -148,22 +144,14 @@ def test_a_search_is_told_by_what_is_searched():
     assert "gather" in found.text(kernels=True).partition("not counted")[2]
     assert "not counted" not in asked(["omega4_max"], omega1=9.0).text(kernels=True)
     assert "kernel 1" not in str(found)  # the answer alone
-    loaded = resolve(
-        "planar_4r", fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), names, links=BARS, branch=(1, 2)
-    )
-    text = explain_request(loaded).text(kernels=True)
+    text = explained(names, fl.grid(**LENGTHS, omega1=9.0, T_load=1.0), links=BARS).text(kernels=True)
     assert "every extreme of T41; cells split at the zeros of omega4\n" in text
 
 
 @pytest.fixture
-def study(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_text(
-        'mechanism = "planar_4r"\nquantities = ["omega4"]\n'
-        "[design]\na1 = 0.4\na2 = 1.1\na3 = 0.8\na4 = 1.0\nomega1 = 2.0\n",
-        encoding="utf-8",
-    )
-    return path
+def study(folder):
+    design = "{a1 = 0.4, a2 = 1.1, a3 = 0.8, a4 = 1.0, omega1 = 2.0}"
+    return written(f'mechanism = "planar_4r"\nquantities = ["omega4"]\ndesign = {design}')
 
 
 def test_llvm_and_assembly_language_are_printed_where_wanted(study):
@@ -271,21 +259,15 @@ def test_the_file_is_as_large_as_was_said(names, space, options, tmp_path):
 
 
 def test_the_memory_is_that_which_a_sweep_is_refused_by(monkeypatch):
-    space, angles = fl.grid(**{**LENGTHS, "a2": np.linspace(1.0, 1.4, 20_000)}), {"theta1": 200}
-    said = fl.explain(
-        "planar_4r", space, ["theta4"], threads=2, measure=False, **{"branch": (1, 2)} | angles
-    ).forecast
-    assert (
-        said.memory
-        == needs_of(resolve("planar_4r", space, ["theta4"], angles=200, branch=(1, 2)), 2).in_memory
-    )
-    monkeypatch.setattr(machine, "available_memory", lambda: said.memory - 1)
+    request = "planar_4r", fl.grid(**LENGTHS | {"a2": np.linspace(1.0, 1.4, 20_000)}), ["theta4"]
+    options = {"theta1": 200, "threads": 2, "branch": (1, 2)}
+    memory = fl.explain(*request, measure=False, **options).forecast.memory
+    assert memory == needs_of(resolve(*request, angles=200, branch=(1, 2)), 2).in_memory
+    monkeypatch.setattr(machine, "available_memory", lambda: memory - 1)
     with refused("the result", "to='maps.h5'"):
-        sweep_4r(space, ["theta4"], threads=2, **angles)
-    monkeypatch.setattr("fastlink.app.explain.available_memory", lambda: said.memory - 1)
-    assert "which is refused" in str(
-        fl.explain("planar_4r", space, ["theta4"], threads=2, **{"branch": (1, 2)} | angles, measure=False)
-    )
+        fl.sweep(*request, **options)
+    monkeypatch.setattr("fastlink.app.explain.available_memory", lambda: memory - 1)
+    assert "which is refused" in str(fl.explain(*request, measure=False, **options))
 
 
 @pytest.mark.parametrize("size", [1, 2, 17, 1000, 10**9])
@@ -316,15 +298,14 @@ def test_the_time_of_a_sample_is_that_of_all_designs():
 
 def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
     space = fl.grid(**LENGTHS, omega1=2.0)
-    steel = fl.round_bar(density=7750.0, radius=0.01)
-    options = {"links": steel, "branch": 1, "theta1": 7, "threads": 1}
+    options = {"links": BARS, "branch": 1, "theta1": 7, "threads": 1}
     options |= {"verify": 3, "overwrite": True, "progress": False}
     options |= {"to": tmp_path / "m.h5", "attrs": {"a": 1}, "block": 8}
-    found = fl.explain("planar_4r", space, ["T41"], **{"branch": (1, 2)} | options)
+    found = fl.explain("planar_4r", space, ["T41"], **options)
     assert "7 values of theta1" in found.title
     assert found.forecast.threads == 1
     with refused("theta_1", "did you mean 'theta1'?"):
-        fl.explain("planar_4r", space, ["T41"], theta_1=7, links=steel, branch=(1, 2))
+        fl.explain("planar_4r", space, ["T41"], theta_1=7, links=BARS)
     with refused("quantities is missing", "explain(mechanism, space, quantities)"):
         fl.explain("planar_4r", space)
     with refused("threads is an option of a sweep", "write it in the study"):
@@ -333,17 +314,9 @@ def test_a_sweep_is_explained_with_the_arguments_of_a_sweep(tmp_path):
 
 def test_all_problems_of_an_explained_sweep_are_told_together():
     with pytest.raises(fl.InputError) as caught:
-        fl.explain(
-            "planar_4r", fl.grid(**LENGTHS), ["thta4"], threads=0, overwrite="no", theta_1=3, branch=(1, 2)
-        )
-    assert {one.where[0] for one in caught.value.problems} == {
-        "quantities",
-        "threads",
-        "overwrite",
-        "theta_1",
-    }
-    with refused("measure is 'yes'", "True or False"):
-        fl.explain("planar_4r", fl.grid(**LENGTHS), ["theta4"], measure="yes", branch=(1, 2))
+        fl.explain("planar_4r", fl.grid(**LENGTHS), ["thta4"], threads=0, overwrite="no", theta_1=3)
+    keys = {one.where[0] for one in caught.value.problems}
+    assert keys == {"quantities", "threads", "overwrite", "theta_1"}
 
 
 # == Summaries of maps, of parts of maps, and of what users have made of them ================================

@@ -126,21 +126,16 @@ def test_markdown_tables_are_regular():
 def test_a_row_by_name_says_what_a_sweep_gives_and_needs(name):
     row = fl.quantities("planar_4r")[name]
     inputs = {given: 1.0 for given in row.needs} | {"a1": 0.4, "a2": 1.1, "a3": 0.8}
-    resolved = resolve(
-        "planar_4r", fl.table({"a1": [0.4], **{k: [v] for k, v in inputs.items()}}), [name], branch=(1, 2)
-    )
+    space = fl.table({k: [v] for k, v in inputs.items()})
+    resolved = resolve("planar_4r", space, [name], branch=(1, 2))
     (variable, *_) = variables(resolved)
     assert (row.name, row.dims) == (name, variable.dims)
     assert row.units == variable.attrs["units"]
     assert row.meaning == variable.attrs["long_name"]
     for without in row.needs:
+        space = fl.grid(**{k: v for k, v in inputs.items() if k != without})
         with pytest.raises(fl.InputError, match=rf"\b{without} is missing"):
-            resolve(
-                "planar_4r",
-                fl.grid(**{k: v for k, v in inputs.items() if k != without}),
-                [name],
-                branch=(1, 2),
-            )
+            resolve("planar_4r", space, [name], branch=(1, 2))
 
 
 def test_unknown_quantities_and_words_to_find_are_refused():

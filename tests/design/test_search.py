@@ -164,6 +164,9 @@ def test_a_finished_search_is_opened_as_it_is(tmp_path, monkeypatch):
         fl.search("planar_4r", sample(), NAMES, **{**options, "maximise": "swing", "top": None})
 
 
+NOTHING = {"minimise": "omega4_max", "where": {"status": "invalid_input"}}
+
+
 @pytest.mark.parametrize(
     ("options", "key", "remedy"),
     [
@@ -178,12 +181,8 @@ def test_a_finished_search_is_opened_as_it_is(tmp_path, monkeypatch):
         ({"minimise": "omega4_max", "refine": "a4"}, "refine", "a1, a2, a3"),
         ({"minimise": "omega4_max", "top": 0}, "top", "at least 1"),
         ({"minimise": "omega4_max", "part": "1/4000"}, "part", "at most 3,000"),
-        ({"minimise": "omega4_max", "where": {"status": "invalid_input"}}, "3,000 rows", "widen"),
-        (
-            {"minimise": "omega4_max", "where": {"status": "invalid_input"}, "to": "a.h5"},
-            "3,000 fail status",
-            "widen",
-        ),
+        (NOTHING, "3,000 rows", "widen"),
+        (NOTHING | {"to": "a.h5"}, "3,000 fail status", "widen"),
     ],
 )
 def test_what_cannot_be_searched_is_refused(options, key, remedy, folder):
@@ -471,9 +470,8 @@ def test_the_workers_of_a_cluster_find_the_same(of, client, tmp_path, monkeypatc
     monkeypatch.setattr(cluster, "GROWTH", 1)  # tasks of 64 designs
     space, asked = SEARCHES[of]
     options = {**asked, "verify": 0, "progress": False}
-    with fl.search(
-        "planar_4r", space, ["swing"], **options, client=client, to=tmp_path / "found.h5"
-    ) as found:
+    on_cluster = {"client": client, "to": tmp_path / "found.h5"}
+    with fl.search("planar_4r", space, ["swing"], **options, **on_cluster) as found:
         check_same(found, fl.search("planar_4r", space, ["swing"], **options, to=tmp_path / "whole.h5"))
         assert found.attrs["threads"] == 2
     (tmp_path / "parts").mkdir()

@@ -129,18 +129,17 @@ def test_workers_write_into_the_file_that_they_see(workers, small_tasks, written
     fl.check(tmp_path / "maps.h5")
 
 
-@pytest.mark.parametrize("options", [{"layout": "maps"}], ids=str)
-def test_results_come_back_from_workers_that_do_not_see_the_file(
-    workers, small_tasks, written, tmp_path, options
-):
+def test_results_come_back_from_workers_that_do_not_see_the_file(workers, small_tasks, written, tmp_path):
+    options = {"layout": "maps", "verify": 4}
+
     def no_such_file(path, flags=0):
         raise FileNotFoundError(path)
 
     first, _ = workers.nthreads()
     workers.run(_change, "fastlink.io.partial_file", "opened", no_such_file, workers=[first])
-    with swept(client=workers, to=tmp_path / "maps.h5", verify=4, **options) as maps:
+    with swept(client=workers, to=tmp_path / "maps.h5", **options) as maps:
         assert set(written) == {"write", "merge"}  # one sees it, and one does not
-        with swept(threads=1, to=tmp_path / "one.h5", verify=4, **options) as expected:
+        with swept(threads=1, to=tmp_path / "one.h5", **options) as expected:
             assert_same(maps, expected)
             for name in NAMES:
                 assert maps[name].attrs == expected[name].attrs  # the measured errors

@@ -12,15 +12,64 @@ import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
 from tests.support.map_files import digest, flip, left_in
-from tests.support.part_requests import AXES, GRID, REQUESTS, sweep
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.errors import InputWarning
 from fastlink.io import joining, partial_file
 from fastlink.io.checksums import Stored, read_seal
 from fastlink.io.writer import Writer
+
+COUPLERS, OUTPUTS, SPEEDS = np.linspace(1.0, 1.4, 7), np.linspace(0.6, 1.0, 5), np.array([0.5, 3.0, 7.0])
+AXES = {"omega1": SPEEDS, "a2": COUPLERS, "a3": OUTPUTS}
+TABLE = {"a1": np.linspace(0.3, 0.5, 11), "a2": np.linspace(1.0, 1.4, 11)}
+TABLE |= {"part_no": [f"P{k}" for k in range(11)], "a3": 0.8, "a4": 1.0}
+HUNDREDS = {"a2": np.linspace(1.0, 1.4, 25), "a3": np.linspace(0.6, 1.0, 21)}
+RANGES = {"a1": (0.3, 0.5), "a2": (1.0, 1.4), "a3": 0.8, "a4": 1.0}
+TINY = {"a1": (3e-7, 5.0), "a2": (1e-7, 1.4), "a3": 0.8e-6, "a4": 1e-6}
+GRID = {"a1": 0.4, "a4": 1.0}
+BARS = {"b": 5.0, "c": 2.0, "d": 4.0, "rho": 1.0}
+FOCAL = {"a": [5.0, 5.5, 6.0, 6.5, 7.0], "name": list("vwxyz"), **BARS}
+
+
+def of_4r(space, *quantities, **options):
+    return "planar_4r", space, [*quantities], options
+
+
+def of_focal(space):
+    return "focal", space, ["crank_type"], {}
+
+
+#: Mechanism, designs, quantities, options of each.
+REQUESTS = {
+    "grid": of_4r(lambda: fl.grid(**GRID, a2=COUPLERS, a3=OUTPUTS), "theta4", theta1=6),
+    "hundreds": of_4r(lambda: fl.grid(**GRID, **HUNDREDS), "theta4", theta1=6),
+    "sobol": of_4r(lambda: fl.sobol(37, seed=3, **RANGES), "transmission_angle_min"),
+    "hypercube": of_4r(lambda: fl.latin_hypercube(23, seed=3, **RANGES), "transmission_angle_min", branch=2),
+    "table": of_4r(lambda: fl.table(TABLE), "theta4", theta1=4),
+    "numbered table": of_4r(lambda: fl.table({"design": np.arange(11) * 3 + 7, **TABLE}), "theta4", theta1=4),
+    "one design": of_4r(lambda: fl.grid(**GRID, a2=1.2, a3=0.8), "theta4_mean", theta1=4),
+    "scalar branch": of_4r(
+        lambda: fl.grid(**GRID, a2=COUPLERS, a3=0.8, omega1=2.0), "omega4_extrema", branch=1
+    ),
+    "tiny designs": of_4r(lambda: fl.sobol(19, seed=1, **TINY), "theta4", theta1=4),
+    "scaling axis": of_4r(lambda: fl.grid(**GRID, **AXES), "omega4", theta1=4),
+    "layout of maps": of_4r(
+        lambda: fl.grid(**GRID, **AXES), "omega4", "omega4_extrema", theta1=4, layout="maps"
+    ),
+    "completions": of_focal(lambda: fl.grid(a=[5.0, 5.5, 6.0], **BARS)),
+    "completions of a table": of_focal(lambda: fl.table(FOCAL)),
+    "completions of a numbered table": of_focal(lambda: fl.table({"design": [7, 3, 9, 1, 4], **FOCAL})),
+    "completions of a sample": of_focal(lambda: fl.sobol(7, seed=1, a=(5.0, 7.0), **BARS)),
+}
+
+
+def sweep(of, **options):
+    """Return the result of a request, by its name or as it stands."""
+    mechanism, space, quantities, given = REQUESTS[of] if isinstance(of, str) else of
+    return sweep_both(mechanism, space(), quantities, **{"verify": 0, **given, **options})
+
 
 #: What a joined map says of its making, and a sweep otherwise.
 OF_MAKING = {"run_time_s", "set_up_time_s", "designs_per_second"}
@@ -93,13 +142,8 @@ def test_errors_are_the_greatest_and_numbers_are_sums(tmp_path):
     parts = [fl.open(path).load() for path in paths]
     with fl.join(paths, to=tmp_path / "maps.h5") as joined:
         assert joined.attrs["designs"] == 35
-        for name in [
-            "run_time_s",
-            "set_up_time_s",
-            "verified_designs",
-            "verify_mismatches",
-            "configurations",
-        ]:
+        times = ["run_time_s", "set_up_time_s"]
+        for name in (*times, "verified_designs", "verify_mismatches", "configurations"):
             assert joined.attrs[name] == sum(part.attrs[name] for part in parts)
         assert joined.attrs["core_time_s"] == 2 * joined.attrs["run_time_s"]
         counts = [name for name in joined.attrs if name.startswith("designs_") and "per" not in name]
@@ -271,7 +315,7 @@ import os, signal, sys, time
 from pathlib import Path
 from fastlink.io import partial_file
 from fastlink.io.writer import Writer
-from tests.support.part_requests import sweep
+from tests.engine.test_join import sweep
 
 def run(k, killed):
     if (child := os.fork()):
@@ -464,11 +508,11 @@ def test_parts_are_those_of_the_whole(of):
     assert len({part.attrs["whole_fingerprint"] for part in parts}) == 1
     for part in parts:
         assert_is_part(part, whole, swept)
-    if "design" not in whole.coords or whole["status"].dims != ("design",):
-        numbers = np.concatenate([part["design"].values for part in parts])
-        assert_array_equal(numbers, np.arange(numbers.size))
+    numbers = np.concatenate([part["design"].values for part in parts])
+    if whole["status"].dims == ("design",):
+        assert_array_equal(numbers, whole["design"])
     else:
-        assert_array_equal(np.concatenate([part["design"].values for part in parts]), whole["design"].values)
+        assert_array_equal(numbers, np.arange(numbers.size))
 
 
 @pytest.mark.sample(1)
@@ -487,17 +531,13 @@ def test_an_axis_that_only_scales_results_has_the_same_bits_in_parts(order):
 
 
 def test_the_request_of_a_part_is_that_of_its_whole(tmp_path):
-    def fingerprints(**options):
-        attrs = sweep("grid", **options).attrs
-        return attrs["whole_fingerprint"]
+    def fingerprint(of="grid", **options):
+        return sweep(of, **options).attrs["whole_fingerprint"]
 
-    one = fingerprints(part=(1, 3))
-    assert (
-        one
-        == fingerprints(part="2/3", threads=1, block=7)
-        == fingerprints(part=(1, 4), to=tmp_path / "a.h5", verify=0)
-    )
-    assert one != sweep("table", part=(1, 3)).attrs["whole_fingerprint"]
+    one = fingerprint(part=(1, 3))
+    assert one == fingerprint(part="2/3", threads=1, block=7)
+    assert one == fingerprint(part=(1, 4), to=tmp_path / "a.h5", verify=0)
+    assert one != fingerprint("table", part=(1, 3))
     with sweep("grid", to=tmp_path / "m.h5", verify=0) as whole:
         assert whole.attrs["fingerprint"] == one
 

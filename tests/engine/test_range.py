@@ -30,16 +30,14 @@ OUTPUTS = ["status", "F32_max", "omega4_max", "P_x_max", "omega4_extrema_count",
 @pytest.mark.sample(1)
 @pytest.mark.parametrize("name", COLUMNS)
 def test_designs_of_a_table_are_flagged_and_the_others_untouched(name):
-    values = np.array(COLUMNS[name])
-    found = sweep_4r(fl.table({name: values} | {k: v for k, v in GIVEN.items() if k != name}), OUTPUTS)
+    values, others = np.array(COLUMNS[name]), {k: v for k, v in GIVEN.items() if k != name}
+    found = sweep_4r(fl.table({name: values} | others), OUTPUTS)
     meanings = found.status.attrs["flag_meanings"].split()
     assert_array_equal(found.status == meanings.index("beyond_range"), FAR)
     assert found.attrs["designs_beyond_range"] == 2
     for output in ("F32_max", "omega4_max", "P_x_max"):
         assert np.isnan(found[output].values[FAR]).all()
-    function = fl.function(
-        "planar_4r", [name], OUTPUTS, branch=(1, 2), **{k: v for k, v in GIVEN.items() if k != name}
-    )
+    function = fl.function("planar_4r", [name], OUTPUTS, branch=(1, 2), **others)
     for k, value in enumerate(values):
         one = sweep_4r(GIVEN | {name: float(value)}, OUTPUTS, allow_invalid=True)
         for output in OUTPUTS:

@@ -90,13 +90,7 @@ def test_what_follows_from_a_reaction_depends_on_the_solver(name):
 @pytest.mark.parametrize(("mechanism", "drives"), WITHOUT)
 def test_no_solver_is_recorded_where_there_is_one_way(mechanism, drives):
     catalogue = find_catalogue(mechanism, drives)
+    tables = (catalogue.position.name, *catalogue.tables, *catalogue.table_low_parts)
+    leaves = (*catalogue.inputs, *tables, "branch")
     for name in catalogue.public:
-        depends_on = {i: 1.0 for i in catalogue.inputs}
-        leaves = (
-            *depends_on,
-            catalogue.position.name,
-            *catalogue.tables,
-            *catalogue.table_low_parts,
-            "branch",
-        )
         assert not catalogue.depends_on_solver(catalogue.dependencies([name], leaves)), name

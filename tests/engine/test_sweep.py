@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.configurations import PLANAR
 from tests.support.refusals import refused
-from tests.support.sweeps import BARS, sweep_4r, sweep_both
+from tests.support.sweeps import BARS, CRANK, TURNING, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.app.report import contents
@@ -18,7 +18,6 @@ from fastlink.engine.scaling import ScalingAxis, homogeneity_degrees
 from fastlink.mechanisms import catalogue
 from fastlink.numerics.compensated import UNIT_ROUNDING
 
-TABLE_1 = {"a1": 0.4, "a2": 1.2, "a3": 0.8, "a4": 1.0}
 #: Quantities of the coupler point, which these designs do not have; test_curves.py asks for them.
 AT_P = ("P_x", "P_y", "P_vx", "P_vy", "P_ax", "P_ay", "P_speed", "curvature")
 # Some of these turn fully, some do not, some never assemble.
@@ -43,7 +42,7 @@ def test_dimensions_are_the_swept_ones_then_branch_then_theta1():
     assert result.omega4_max.attrs["references"] == "Hayes, Hninn, Irani, eq. (7)"
     assert float(result.radius) == 0.01
     assert result.a2.attrs["long_name"] == "length of the coupler AB"
-    result = fl.sweep("planar_4r", fl.grid(**TABLE_1), ["B_x", "transmission_angle_max"], theta1=8, branch=2)
+    result = fl.sweep("planar_4r", fl.grid(**CRANK), ["B_x", "transmission_angle_max"], theta1=8, branch=2)
     assert result.B_x.dims == ("theta1",)
     assert result.transmission_angle_max.shape == ()
     assert result.status.shape == ()
@@ -68,7 +67,7 @@ def test_dimensions_are_the_swept_ones_then_branch_then_theta1():
     ],
 )
 def test_status(lengths, meaning):
-    result = sweep_4r(fl.grid(**dict(zip(TABLE_1, lengths, strict=True))), ["status"])
+    result = sweep_4r(fl.grid(**dict(zip(CRANK, lengths, strict=True))), ["status"])
     meanings = result.status.attrs["flag_meanings"].split()
     assert meanings[list(result.status.attrs["flag_values"]).index(int(result.status))] == meaning
     assert result.attrs[f"designs_{meaning}"] == 1
@@ -145,27 +144,17 @@ def test_bits_depend_neither_on_what_else_is_asked_nor_on_the_lanes(step):
 
 def test_the_plain_facts_have_the_bits_of_the_compiled_ones():
     names = [name for name in PLANAR.public if PLANAR.varies(name) and name not in AT_P]
-    space = fl.grid(a1=0.4, a2=np.linspace(0.7, 1.6, 13), a3=0.5, a4=1.0, omega1=25.0)
-    swept = sweep_4r(space, names, links=BARS, theta1=30)
-    plain = fl.evaluate(
-        "planar_4r",
-        names,
-        links=BARS,
-        a1=0.4,
-        a2=swept.a2,
-        a3=0.5,
-        a4=1.0,
-        omega1=25.0,
-        branch=swept.branch,
-        theta1=swept.theta1,
-    )
+    design = {"a1": 0.4, "a2": np.linspace(0.7, 1.6, 13), "a3": 0.5, "a4": 1.0, "omega1": 25.0}
+    swept = sweep_4r(fl.grid(**design), names, links=BARS, theta1=30)
+    at = design | {"a2": swept.a2, "branch": swept.branch, "theta1": swept.theta1}
+    plain = fl.evaluate("planar_4r", names, links=BARS, **at)
     for name in names:
         assert_array_equal(swept[name].values, plain[name].transpose(*swept[name].dims).values, err_msg=name)
 
 
 def test_mass_data_of_the_design_replace_those_of_the_model():
-    ours = sweep_4r(fl.grid(**TABLE_1, omega1=25.0, m3=0.0, I3=0.0), ["shaking_force_max"], links=BARS)
-    bars = sweep_4r(fl.grid(**TABLE_1, omega1=25.0), ["shaking_force_max"], links=BARS)
+    ours = sweep_4r(fl.grid(**TURNING, m3=0.0, I3=0.0), ["shaking_force_max"], links=BARS)
+    bars = sweep_4r(fl.grid(**TURNING), ["shaking_force_max"], links=BARS)
     assert float(ours.shaking_force_max[0]) < float(bars.shaking_force_max[0])
 
 
@@ -180,18 +169,6 @@ def test_invalid_designs_can_be_flagged_instead_of_refused():
     assert np.isnan(result.transmission_angle_min[1:]).all()
 
 
-def test_file_and_memory_hold_the_same(tmp_path):
-    path = tmp_path / "maps.h5"
-    in_file, in_memory = small_map(to=path, verify=4), small_map(verify=4)
-    assert_same_bits(in_memory, in_file)
-    for name in in_memory.variables:
-        assert in_file[name].attrs.keys() == in_memory[name].attrs.keys()
-    assert [p.name for p in tmp_path.iterdir()] == ["maps.h5"]
-    in_file.close()
-    with xr.open_dataset(path, engine="netcdf4") as other:
-        assert_same_bits(in_memory, other)
-
-
 @pytest.mark.parametrize(
     ("change", "key", "remedy"),
     [
@@ -201,15 +178,11 @@ def test_file_and_memory_hold_the_same(tmp_path):
         ({"quantities": []}, "quantities", "at least one name"),
         ({"quantities": ["omega4", "omega4"]}, "quantities[1]", "name it once"),
         ({"space": {"a1": 0.4, "a2": 1.2, "a3": 0.8, "omega1": 1.0}}, "design: a4", ""),
-        ({"space": {**TABLE_1, "omega1": 1.0, "a5": 1.0}}, "design: a5", "did you mean 'a4'"),
-        (
-            {"quantities": ["T41"], "space": {**TABLE_1, "omega1": 1.0}, "links": fl.round_bar(7750.0)},
-            "links: radius",
-            "",
-        ),
-        ({"space": {**TABLE_1, "omega1": 1.0, "a3": 0.0}}, "design: a3", "greater than 0"),
-        ({"space": {**TABLE_1, "omega1": 1.0, "a3": [0.8, -0.1]}}, "design: a3[1]", ""),
-        ({"space": {**TABLE_1, "omega1": 1.0, "m2": -1.0}}, "design: m2", "at least 0"),
+        ({"space": {**TURNING, "a5": 1.0}}, "design: a5", "did you mean 'a4'"),
+        ({"quantities": ["T41"], "links": fl.round_bar(7750.0)}, "links: radius", ""),
+        ({"space": {**TURNING, "a3": 0.0}}, "design: a3", "greater than 0"),
+        ({"space": {**TURNING, "a3": [0.8, -0.1]}}, "design: a3[1]", ""),
+        ({"space": {**TURNING, "m2": -1.0}}, "design: m2", "at least 0"),
         ({"theta1": 0}, "theta1", "a number from 1 to 100000000, or an array in rad"),
         ({"theta1": [0.0, 1.0, 0.0]}, "theta1", "each position once"),
         ({"theta1": [0.0, np.nan]}, "theta1[1]", "finite angles in rad"),
@@ -218,15 +191,9 @@ def test_file_and_memory_hold_the_same(tmp_path):
     ],
 )
 def test_bad_input_gets_one_clear_line(change, key, remedy):
-    options = {
-        "mechanism": "planar_4r",
-        "space": {**TABLE_1, "omega1": 1.0},
-        "quantities": ["omega4"],
-    } | change
+    request = {"mechanism": "planar_4r", "space": TURNING, "quantities": ["omega4"]} | change
     with refused(key, remedy):
-        sweep_both(
-            options.pop("mechanism"), fl.grid(**options.pop("space")), options.pop("quantities"), **options
-        )
+        sweep_both(**request | {"space": fl.grid(**request["space"])})
 
 
 def test_a_map_that_does_not_fit_the_disk_is_refused_before_anything_is_computed(tmp_path):
@@ -444,14 +411,11 @@ def test_a_speed_axis_has_the_bits_of_its_speeds(order, block, tmp_path):
 
 
 def test_any_speed_is_within_rounding():
-    together = sweep_scaled(
-        ["shaking_force_max", "omega4_max"], a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=[3.0, 7.0, 25.0]
-    )
+    names, lengths = ["shaking_force_max", "omega4_max"], CRANK | {"a2": COUPLERS}
+    together = sweep_scaled(names, **lengths, omega1=[3.0, 7.0, 25.0])
     for speed in together.omega1.values:
-        alone = sweep_scaled(
-            ["shaking_force_max", "omega4_max"], a1=0.4, a2=COUPLERS, a3=0.8, a4=1.0, omega1=float(speed)
-        )
-        for name in ("shaking_force_max", "omega4_max"):
+        alone = sweep_scaled(names, **lengths, omega1=float(speed))
+        for name in names:
             # Extremes of size do not cancel: both ways are within 4 (1 + 2) roundings, by the power of omega1.
             assert_allclose(together[name].sel(omega1=speed), alone[name], rtol=2 * 12 * UNIT_ROUNDING)
 

@@ -20,20 +20,13 @@ ELSEWHERE |= {"synthesise": "see tests/synthesis", "linkage": "see tests/mechani
 #: Arguments that are not tried, and why.
 UNTRIED = {
     **dict.fromkeys(("table.source", "table.keep", "table.allow_invalid"), "see `tables`"),
-    **dict.fromkeys(
-        (f"synthesise.{name}" for name in inspect.signature(fl.synthesise).parameters), "see tests/synthesis"
-    ),
-    **dict.fromkeys(
-        (f"linkage.{name}" for name in inspect.signature(fl.linkage).parameters),
-        "see tests/mechanisms/linkages",
-    ),
     **dict.fromkeys(("explain.space", "explain.quantities"), "those of fl.sweep"),
     "open.chunks": "an option of xarray",
     "join.mechanism": "that of fl.tolerance",
     "grid.axes": "by position only",
     **dict.fromkeys(("sobol.ranges", "latin_hypercube.ranges"), "as keywords"),
     **dict.fromkeys(
-        ("draw.trust_code", "accuracy.trust_code", "tolerance.trust_code"), "a switch, as others"
+        (f"{door}.trust_code" for door in ("draw", "accuracy", "tolerance")), "a switch, as others"
     ),
 }
 
@@ -72,6 +65,7 @@ def test_every_parameter_of_every_public_function_is_tried():
     untried = {
         f"{name}.{parameter.name}"
         for name, one in public.items()
+        if not ELSEWHERE.get(name, "").startswith("see tests/")
         for parameter in inspect.signature(one).parameters.values()
         if parameter.kind not in (parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL)
         and parameter.name not in tried.get(name, ())

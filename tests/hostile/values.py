@@ -5,6 +5,7 @@ stands the plain value that is meant, where it is another text.
 """
 
 import re
+from functools import partial
 from typing import NamedTuple
 
 #: What may come of a value: it is refused; it is taken for the plain value; either of these.
@@ -29,24 +30,12 @@ def texts_of(block, between=r"\s{2,}"):
 
 
 def _values(verdict, block):
+    """Return the values of a block, of which one thing may come."""
     pairs = (text.partition(" => ") for text in texts_of(block))
     return [Value(text, verdict, plain or text) for text, _, plain in pairs]
 
 
-def refused(block):
-    """Return values that are refused."""
-    return _values(REFUSED, block)
-
-
-def taken(block):
-    """Return values that are taken for what they mean."""
-    return _values(TAKEN, block)
-
-
-def either(block):
-    """Return values that are refused, or taken for what they mean."""
-    return _values(EITHER, block)
-
+refused, taken, either = (partial(_values, verdict) for verdict in (REFUSED, TAKEN, EITHER))
 
 #: Of no use to any argument: other types, objects that raise, containers in containers, arrays of others.
 GARBAGE = refused(

@@ -321,7 +321,6 @@ def test_what_float32_and_axes_do_not_hold_is_said(tmp_path, grid):
         ({"select": {"a_2": 1.1}}, "a_2", "'a2'"),
         ({"select": {"a2": "2:3"}}, "a2", "widen"),
         ({"select": {"a2": 7.0}}, "a2", "widen"),
-        ({"select": {"a2": "inf"}}, "a2", "widen"),
         ({"select": {"a3": 7.0}}, "a3", "widen"),
         ({"select": {"a2": "1.2:1.1"}}, "a2", "lesser end first"),
         ({"select": {"a2": "x"}}, "a2", "a range"),
@@ -337,12 +336,10 @@ def test_what_float32_and_axes_do_not_hold_is_said(tmp_path, grid):
         ({"quantities": "theta4"}, "quantities", "list"),
         ({"quantities": []}, "quantities", "leave it out"),
         ({"dtype": "int16"}, "dtype", "float32"),
-        ({"dtype": "float16"}, "dtype", "float32"),
         ({"dtype": object()}, "dtype", "float32"),
         ({"compress": "zip"}, "compress", "gzip"),
         ({"compress": "zstd:99"}, "compress", "22"),
         ({"compress": "lz4:3"}, "compress", "lz4"),
-        ({"compress": 3}, "compress", "gzip"),
         ({"overwrite": "no"}, "overwrite", "True or False"),
         ({"to": "maps.ods"}, "to", ".csv"),
         ({"to": "maps"}, "to", ".csv"),
@@ -413,12 +410,8 @@ def test_what_fails_leaves_nothing_and_touches_nothing(
 
     monkeypatch.setattr(owner, function, failing)
     options = {"compress": "gzip"} if name == "z.h5" else {}
-    if fault is KeyboardInterrupt:
-        with pytest.raises(KeyboardInterrupt):
-            fl.convert(grid, path, overwrite=True, **options)
-    else:
-        with refused("to", "room"):
-            fl.convert(grid, path, overwrite=True, **options)
+    with pytest.raises(fault) if fault is KeyboardInterrupt else refused("to", "room"):
+        fl.convert(grid, path, overwrite=True, **options)
     assert left_in(tmp_path) == before
 
 

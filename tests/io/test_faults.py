@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from tests.io.test_small_files import STUDY
 from tests.support.faults import CODES, FAULTS, Trials, library
 from tests.support.map_files import Sample, digest, failing_after, left_in, raising
 from tests.support.refusals import refused
@@ -44,10 +45,10 @@ def expected():
         yield found.load()
 
 
-def assert_resumes(path, expected, designs):
-    """Assert that the same request goes on after so many designs, to the same bits."""
+def assert_resumes(path, expected, designs=None):
+    """Assert that the same request goes on, after so many designs if they are given, to the same bits."""
     with sweep(path) as resumed:
-        assert resumed.attrs["designs_of_earlier_runs"] == designs
+        assert designs is None or resumed.attrs["designs_of_earlier_runs"] == designs
         for name in expected:
             assert_array_equal(resumed[name], expected[name], err_msg=name)
     assert left_in(path.parent) == [path.name]
@@ -188,10 +189,7 @@ def test_a_failure_of_the_end_loses_nothing(tmp_path, monkeypatch, end, expected
         with pytest.raises(fl.InputError):
             sweep(path)
     assert not path.exists()
-    with sweep(path) as resumed:
-        for name in expected:
-            assert_array_equal(resumed[name], expected[name], err_msg=name)
-    assert left_in(tmp_path) == ["m.h5"]
+    assert_resumes(path, expected)
 
 
 def test_a_failed_synchronisation_is_not_forgotten(tmp_path, monkeypatch, expected):
@@ -211,9 +209,7 @@ def test_a_failed_synchronisation_is_not_forgotten(tmp_path, monkeypatch, expect
         with pytest.raises(fl.InputError, match="Input/output error"):
             sweep(path, block=1)
     assert not path.exists()
-    with sweep(path) as resumed:
-        for name in expected:
-            assert_array_equal(resumed[name], expected[name], err_msg=name)
+    assert_resumes(path, expected)
 
 
 def test_an_interrupt_in_the_finish_waits_for_its_end(tmp_path, monkeypatch):
@@ -391,13 +387,7 @@ def test_a_disk_that_fails_while_a_map_is_read_or_closed_is_an_error_of_the_door
 def test_labels_that_cannot_be_closed_are_an_error_of_the_door(tmp_path, monkeypatch):
     """Of a measurement; HDF5 closes a file late and has words of its own for a full quota."""
     study = tmp_path / "study.toml"
-    study.write_text(
-        """
-        mechanism = "planar_4r"
-        quantities = ["grashof_excess"]
-        design = {a1 = 0.4, a2 = {linspace = [1.0, 1.3, 9]}, a3 = 0.8, a4 = 1.0}
-        """
-    )
+    study.write_text(STUDY)
 
     def close(store):
         raise RuntimeError("Can't decrement id ref count (unable to close file, errno = 122)")

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.testing import assert_array_equal
+from tests.io.test_resume import RUNS
 from tests.support.refusals import refused
 from tests.support.study_files import BARE
 from tests.support.sweeps import sweep_4r, sweep_both
@@ -21,7 +22,6 @@ from fastlink.app.cli import app
 from fastlink.engine.resolve import resolve
 from fastlink.engine.sinks import designs_per_block, needs_of
 from fastlink.engine.sweep import Evaluation
-from fastlink.io import checksums
 from fastlink.io.layout import Placement, Variable, assemble, coordinates, plain_attrs
 from fastlink.io.output_path import progress_bar
 from fastlink.pictures.maps import select
@@ -177,35 +177,11 @@ def test_pieces_and_designs_of_bytes_agree():
             assert found == {byte for byte, row in owner.items() if start <= row < stop}
 
 
-def test_checksums_of_many_pieces_are_those_of_one_by_one():
-    rng = np.random.default_rng(1)
-    data, nbytes = memoryview(rng.bytes(3_000_000)), 3_000_000
-    cuts = [0, *sorted(map(int, rng.integers(0, nbytes, 60))), nbytes]
-    pieces = [(start, data[start:stop]) for start, stop in itertools.pairwise(cuts)]
-    together, one_by_one = {}, {}
-    assert len(pieces) > checksums.FEW
-    checksums.add(together, checksums.of_pieces(pieces, nbytes))
-    for piece in pieces:
-        checksums.add(one_by_one, checksums.of_pieces([piece], nbytes))
-    assert together == one_by_one
-
-
 # == Coordinates that are computed block by block are written so: equal to those in memory ===================
 
-FIXED = {"a1": 0.4, "a4": 1.0}
 NAMES_COMPUTED = ["omega4_max", "transmission_angle_min"]
-GRID = fl.grid(a2=np.linspace(1.0, 1.4, 30), a3=np.linspace(0.6, 1.0, 40), omega1=2.0, **FIXED)
-TABLE = fl.table(
-    {"a2": np.linspace(1.0, 1.4, 900), "a3": 0.8, "maker": [f"No. {k}" for k in range(900)], **FIXED}
-)
-SPACES_COMPUTED = {
-    "of a grid": GRID.consecutive(100, 700),
-    "of a table with texts": TABLE.with_constants({"omega1": 2.0}).consecutive(10, 610),
-    "with a scaling axis": TABLE.consecutive(100, 500).with_axis("omega1", [1.0, 2.5, 7.0]),
-    "with an axis": fl.grid(a2=np.linspace(1.0, 1.4, 500), omega1=2.0, **FIXED)
-    .consecutive(100, 400)
-    .with_axis("a3", [0.7, 0.8]),
-}
+#: Of the runs that may be interrupted: those with consecutive designs, and a whole grid.
+SPACES_COMPUTED = {name: RUNS[name][0] for name in RUNS if name == "grid" or "consecutive" in name}
 
 
 def sweep_computed(space, **options):
@@ -318,13 +294,7 @@ def test_a_variable_knows_its_size_and_coordinates_do_not_hide_inputs():
 
 def test_attributes_are_plain():
     plain = plain_attrs({"t": "text", "b": True, "n": np.int8(3), "f": 0.5, "l": [1, 2]})
-    assert {name: type(value) for name, value in plain.items()} == {
-        "t": str,
-        "b": int,
-        "n": np.int8,
-        "f": float,
-        "l": np.ndarray,
-    }
+    assert [type(value) for value in plain.values()] == [str, int, np.int8, float, np.ndarray]
 
 
 @pytest.mark.parametrize("value", [None, {"a": 1}, [], ["a", "b"], [[1, 2]], b"bytes"])

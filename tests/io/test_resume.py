@@ -275,6 +275,7 @@ def test_a_torn_record_ends_the_journal(tmp_path):
 # == A map that is there already: used where it is that of the request, else refused with what differs =======
 
 DESIGNS = {"a1": 0.4, "a2": np.array([1.1, 1.2]), "a3": 0.8, "a4": 1.0, "omega1": 2.0}
+FOCAL = {"mechanism": "focal", "space": {"a": 2.0, "b": 3.0, "c": 4.0, "d": 5.0, "s": 1.0}}
 REQUEST = {"mechanism": "planar_4r", "space": DESIGNS, "quantities": ["omega4"], "theta1": 12, "verify": 2}
 
 
@@ -322,15 +323,7 @@ def test_the_same_request_opens_the_map(path, same, nothing_is_compiled):
         ({"theta1": 13}, "theta1"),
         ({"branch": [2, 1]}, "branch"),
         ({"attrs": {"project": "press"}}, "project"),
-        (
-            {
-                "mechanism": "focal",
-                "space": {"a": 2.0, "b": 3.0, "c": 4.0, "d": 5.0, "s": 1.0},
-                "quantities": ["m"],
-                "theta1": None,
-            },
-            "",
-        ),
+        (FOCAL | {"quantities": ["m"], "theta1": None}, ""),
         ({"verify": 3, "space": {**DESIGNS, "a2": [1.1, 1.2, 1.3]}}, "a2"),
     ],
 )

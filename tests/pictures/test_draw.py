@@ -99,7 +99,7 @@ def test_bars_are_where_and_as_long_as_the_facts_say_in_both_assembly_modes(mech
         names = {value for name in pair for value in (picture.point(name).x, picture.point(name).y)}
         (length,) = [one for bar in picture.bars for key, one in bar.lengths.items() if key.split() == pair]
         names = [one for one in (*names, length) if isinstance(one, str) and one not in design]
-        facts = {one: one for one in (0.0,)} | design
+        facts = {0.0: 0.0} | design
         facts |= fl.evaluate(mechanism, names, **design, branch=int(branch)) if names else {}
         for name, place in zip(pair, ends, strict=True):
             point = picture.point(name)
@@ -346,10 +346,8 @@ def test_the_conic_about_F_touches_the_four_sides():
 def test_what_stands_side_by_side(mechanism, given, titles):
     design = {key: value for key, value in {**DESIGNS[mechanism], **given}.items() if value is not None}
     design.pop("theta1", None)
-    shown = [
-        axis.get_title().rpartition("= ")[2].partition(":")[0] for axis in fl.draw(mechanism, **design).axes
-    ]
-    assert shown == titles
+    shown = [axis.get_title() for axis in fl.draw(mechanism, **design).axes]
+    assert [title.rpartition("= ")[2].partition(":")[0] for title in shown] == titles
 
 
 def test_curves_stand_beside_with_the_input_marked():
@@ -594,12 +592,8 @@ def test_joints_of_a_dxf_stand_where_the_facts_say(mechanism, tmp_path):
     assert sorted(texts) == sorted(points)
     # the order of both is that of the points; written with 16 digits
     assert_allclose(circles, [points[name] for name in texts], rtol=1e-14, atol=1e-12)
-    bars = {
-        tuple(np.round(one, 6))
-        for bar in space.query('LWPOLYLINE[layer=="bars"]')
-        for one in bar.get_points("xy")
-    }
-    assert bars <= {tuple(np.round(one, 6)) for one in points.values()}
+    ends = np.concatenate([bar.get_points("xy") for bar in space.query('LWPOLYLINE[layer=="bars"]')])
+    assert {*map(tuple, ends.round(6))} <= {tuple(np.round(one, 6)) for one in points.values()}
     assert {one.dxf.layer for one in space} >= {"bars", "joints", "ground"}
 
 

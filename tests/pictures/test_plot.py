@@ -11,7 +11,7 @@ from matplotlib.collections import PathCollection, QuadMesh
 from matplotlib.contour import ContourSet
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.refusals import refused
-from tests.support.sweeps import sweep_4r, sweep_both
+from tests.support.sweeps import BARS, sweep_4r, sweep_both
 
 import fastlink as fl
 from fastlink.pictures import charts
@@ -224,10 +224,8 @@ def solid():
 
 def test_a_grid_has_a_map_for_values_over_the_whole_input(solid):
     figure = fl.plot(solid, "omega4_max", panels="a1", branch=1)
-    axes, shown = (
-        panels(figure),
-        solid.a1.values[[0, 1, 3, 4, 6, 7]],
-    )  # at most six of the eight, with both ends
+    axes = panels(figure)
+    shown = solid.a1.values[[0, 1, 3, 4, 6, 7]]  # at most six of the eight, with both ends
     assert [axis.get_title() for axis in axes] == [f"$a_{{1}}$ = {value:.3g} m" for value in shown]
     assert len({axis.collections[0].get_clim() for axis in axes}) == 1  # one scale of colours
     assert bar(figure).get_ylabel() == r"max $\omega_{4}$ [rad s$^{-1}$]"
@@ -282,7 +280,7 @@ def test_a_line_for_each_value_of_an_input(solid):
 def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line():
     """Of two lines one has its change point at a2 = 1.2, the other none; beyond it the force has no bound."""
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 9), a3=0.8, a4=[0.8, 1.2], omega1=25.0)
-    maps = fl.sweep("planar_4r", space, ["shaking_force_max"], branch=1, links=fl.round_bar(7750.0, 0.01))
+    maps = fl.sweep("planar_4r", space, ["shaking_force_max"], links=BARS)
     (axis,) = fl.plot(maps, "shaking_force_max", lines="a4").axes
     dots = [line for line in axis.get_lines() if line.get_linestyle() == "None"]
     ((place, value),) = [line.get_xydata()[0] for line in dots]
@@ -302,9 +300,7 @@ def test_a_change_point_is_a_dot_and_what_grows_without_bound_a_bar_of_its_line(
 
 def test_change_points_along_a_line_of_cells_are_dots_and_contours_have_room():
     space = fl.grid(a1=0.4, a2=np.linspace(1.0, 1.4, 41), a3=np.linspace(0.6, 1.0, 41), a4=1.0, omega1=25.0)
-    maps = fl.sweep(
-        "planar_4r", space, ["shaking_force_max", "status"], branch=1, links=fl.round_bar(7750.0, 0.01)
-    )
+    maps = fl.sweep("planar_4r", space, ["shaking_force_max", "status"], links=BARS)
     figure = fl.plot(maps, "shaking_force_max")
     (axis,) = panels(figure)
     (dots,) = axis.get_lines()
@@ -384,11 +380,8 @@ def test_whatever_became_of_a_map_is_drawn(flat, change):
 
 def test_labels_of_designs_stand_along_the_axis_as_they_are(path, flat):
     named = flat.assign_coords(a1=["north", "east", "south", "west"])
-    map_of_path, of_names = (
-        panels(drawn(path, "omega4_max", branch=1))[0],
-        drawn(named, "omega4_max", branch=1),
-    )
-    assert_array_equal(cells(panels(of_names)[0]), cells(map_of_path))
+    of_path, of_names = (drawn(one, "omega4_max", branch=1) for one in (path, named))
+    assert_array_equal(cells(panels(of_names)[0]), cells(panels(of_path)[0]))
     for figure in (of_names, drawn(named, "omega4_max", branch=1, at={"a2": 0.9})):
         shown = [text.get_text() for text in panels(figure)[0].get_xticklabels()]
         assert shown == ["north", "east", "south", "west"]
@@ -624,9 +617,7 @@ def test_symbols_are_set_as_mathematics(symbol, text):
 
 
 def plot(name="omega4_max", **options):
-    return lambda maps: fl.plot(
-        maps.assign(note=("a1", list("abcd")), odd=maps.omega4_max * 1j), name, **options
-    )
+    return lambda maps: fl.plot(maps.assign(note=("a1", list("abcd"))), name, **options)
 
 
 def designs(names=(*NAMES,), **options):
@@ -638,9 +629,7 @@ def designs(names=(*NAMES,), **options):
     [
         (plot("omega_max"), "names", "did you mean 'omega4_max'?"),
         (plot(None), "names", "did you mean"),
-        (plot([["omega4_max"]]), "names", "did you mean"),
         (plot("note"), "numbers", "numbers"),
-        (plot("odd"), "numbers", "numbers"),
         (plot("a1"), "names", "known"),
         (
             plot(),
@@ -652,12 +641,10 @@ def designs(names=(*NAMES,), **options):
         (plot(at={"a4": 1.2}), "at: a4", "a number from 0.9 to 1"),
         (plot(at={"a4": "1"}), "at: a4", "a finite number"),
         (plot(at={"a4": np.inf}), "at: a4", "a finite number"),
-        (plot(at={"a4": np.array([1.0, 2.0])}), "at: a4", "a finite number"),
         (plot(at=[("a1", 0.2)]), "at", "such as"),
         (plot(at={3: 0.2}), "at", "known"),
         (plot(branch=3), "branch", "one of 1, 2"),
         (plot(branch=True), "branch", "write one of"),
-        (plot(branch=[1]), "branch", "write one of"),
         (plot("status", branch=1), "status", "leave it out"),
         (plot(panels="a9"), "panels", "a1, a2, a4"),
         (plot(panels=3), "panels", "known"),
@@ -665,8 +652,6 @@ def designs(names=(*NAMES,), **options):
         (plot(panels="a1", at={"a2": 0.9}), "panels", "lines"),
         (plot(panels="a1", at={"a1": 0.2}), "panels", "leave"),
         (plot(panels="a1", lines="a2"), "lines", "leave"),
-        (plot(at={"a4": 1.0}, to="map.h5"), "map.h5", "png"),
-        (plot(at={"a4": 1.0}, to="map"), "map", "png"),
         (plot(at={"a4": 1.0}, to="no/map.png"), "no", "create it or choose another"),
         (plot(at={"a4": 1.0}, to="folder.png"), "folder.png is a folder", "add a file name"),
         (lambda maps: fl.plot(maps.isel(a1=[], a4=0), "omega4_max"), "a1", "at least one"),

@@ -34,14 +34,8 @@ FORCE, ANGLE = QUANTITIES[:2]
 @cache
 def maps():
     """The starter study, of fewer designs."""
-    space = fl.grid(
-        a1=0.4,
-        a2=np.linspace(1.0, 1.4, 31),
-        a3=np.linspace(0.6, 1.0, 31),
-        a4=[0.8, 0.9, 1.0, 1.1, 1.2],
-        omega1=25.0,
-    )
-    return sweep_4r(space, QUANTITIES, links=BARS)
+    axes = {"a2": np.linspace(1.0, 1.4, 31), "a3": np.linspace(0.6, 1.0, 31), "a4": [0.8, 0.9, 1.0, 1.1, 1.2]}
+    return sweep_4r(fl.grid(axes, a1=0.4, omega1=25.0), QUANTITIES, links=BARS)
 
 
 @cache
@@ -53,10 +47,6 @@ def types():
 
 def plot(*given, of=maps, **options):
     return lambda: fl.plot(of(), *given, **options)
-
-
-def designs(*given, **options):
-    return lambda: fl.plot(maps(), *given, **options)
 
 
 def drawn(mechanism, **options):
@@ -78,16 +68,16 @@ KINDS = {
     "line": plot(FORCE, at=AT | {"a3": 0.8}, branch=1),
     "lines": plot(FORCE, lines="a4", at={"a3": 0.8}, branch=1),
     "lines of two modes": plot("theta1_at_omega4_max", lines="a4", at={"a3": 0.8}),
-    "scatter": designs([FORCE, ANGLE]),
-    "scatter of three": designs([FORCE, ANGLE, "omega4_max"], degrees=True),
-    "scatter of a code": designs([FORCE, ANGLE, "grashof_class"]),
-    "corner": designs([FORCE, ANGLE, "a2", "a3"], where={"status": "rotates_fully", ANGLE: (0.2, None)}),
-    "corner of two": designs([FORCE, ANGLE], kind="corner"),
-    "corner of six": designs([FORCE, ANGLE, "omega4_max", "a2", "a3", "a4"]),
-    "cumulative": designs([FORCE]),
-    "cumulative of two": designs([FORCE, ANGLE], kind="cumulative"),
-    "front": lambda: fl.plot(maps(), minimise=FORCE, maximise=ANGLE, degrees=True, where="rotates_fully"),
-    "front of three": lambda: fl.plot(maps(), minimise=[FORCE, "omega4_max"], maximise=ANGLE),
+    "scatter": plot([FORCE, ANGLE]),
+    "scatter of three": plot([FORCE, ANGLE, "omega4_max"], degrees=True),
+    "scatter of a code": plot([FORCE, ANGLE, "grashof_class"]),
+    "corner": plot([FORCE, ANGLE, "a2", "a3"], where={"status": "rotates_fully", ANGLE: (0.2, None)}),
+    "corner of two": plot([FORCE, ANGLE], kind="corner"),
+    "corner of six": plot([FORCE, ANGLE, "omega4_max", "a2", "a3", "a4"]),
+    "cumulative": plot(FORCE, kind="cumulative"),
+    "cumulative of two": plot([FORCE, ANGLE], kind="cumulative"),
+    "front": plot(minimise=FORCE, maximise=ANGLE, degrees=True, where="rotates_fully"),
+    "front of three": plot(minimise=[FORCE, "omega4_max"], maximise=ANGLE),
 }
 for name in DESIGNS:
     KINDS |= {

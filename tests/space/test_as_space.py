@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from tests.support.refusals import refused
+from tests.support.study_files import BARE, LENGTHS, written
 from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
@@ -410,10 +411,6 @@ def test_samples_tables_and_single_designs_print_themselves():
     assert "computed" in space._repr_html_()
 
 
-def test_an_explanation_shows_first_what_a_run_needs(tmp_path):
-    study = tmp_path / "study.toml"
-    study.write_text(
-        'mechanism = "planar_4r"\nquantities = ["theta4"]\n[design]\na1 = 0.4\na2 = 1.2\na3 = 0.8\na4 = 1.0\n'
-    )
-    page = fl.explain(study)._repr_html_()
+def test_an_explanation_shows_first_what_a_run_needs(folder):
+    page = fl.explain(written(f"{BARE}[design]\n{LENGTHS}"))._repr_html_()
     assert page.index("memory") < page.index("<details>") < page.index("left out")

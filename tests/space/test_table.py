@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 from pyarrow import parquet
 from tests.support.refusals import assert_refusal, refused
+from tests.support.study_files import BARE, written
 from tests.support.sweeps import sweep_4r
 
 import fastlink as fl
@@ -345,15 +346,9 @@ def test_a_file_that_changes_is_noticed(tmp_path, every_file_is_large, kind):
         space.columns["a2"].piece(0, 5)
 
 
-def test_a_study_takes_a_parquet_file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    FRAME[["a2", "a3"]].to_parquet(tmp_path / "d.parquet")
-    study = tmp_path / "study.toml"
-    study.write_text(
-        'mechanism = "planar_4r"\nquantities = ["omega4_max"]\n[design]\ntable = "d.parquet"\n'
-        "a1 = 0.4\na4 = 1.0\nomega1 = 25.0\n"
-    )
-    with fl.run(study) as maps:
+def test_a_study_takes_a_parquet_file(folder):
+    FRAME[["a2", "a3"]].to_parquet("d.parquet")
+    with fl.run(written(f'{BARE}design = {{table = "d.parquet", a1 = 0.4, a4 = 1.0}}')) as maps:
         assert maps.sizes["design"] == 50
         assert_array_equal(maps.a3, FRAME["a3"])
 

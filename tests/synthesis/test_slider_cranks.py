@@ -6,7 +6,8 @@ from numpy.testing import assert_allclose
 
 import fastlink as fl
 from fastlink.synthesis import paths
-from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
+from fastlink.synthesis.found import cognates_of
+from tests.synthesis.test_synthesis import linkage
 
 #: A slider-crank in its place: its body is turned by 0.1 from AB.
 KNOWN, AT, GROUND, POINT, BODY = {"r": 0.5, "l": 1.3, "e": 0.2}, 0.2 + 0.1j, 0.3, 0.7 + 0.4j, 0.1
@@ -154,34 +155,9 @@ def test_random_closed_paths(seed):
     assert_allclose([found.l.item(), abs(found.e.item())], [design["l"], abs(design["e"])], atol=1e-7)
 
 
-def one(theta, lengths, side=-1.0):
-    theta = np.array([theta], dtype=float)
-    numbers = np.array([[*lengths, 0.0, 0.5, 0.5, 0, 0, 0, 0]])
-    side = np.broadcast_to(side, theta.shape).astype(float)
-    return Linkages(numbers, theta, side, np.ones(1, dtype=np.int64), slider=True)
-
-
-@pytest.mark.parametrize(
-    ("found", "closed", "meaning"),
-    [
-        (one([0, 1, 2, 3], (1, 2, 0.5)), True, "no_defect"),
-        (one([0, 2, 1, 3], (1, 2, 0.5)), False, "order_defect"),
-        (one([0, 1, 2], (1, 2, 0.5), np.array([1, -1, 1])), False, "circuit_defect"),
-        # r = 2 turns over where |2 sin - 0.5| < 1: up to 48.6 degrees on either side of the pivot, which are circuits
-        (one([-0.2, 0.2, 0.7], (2, 1, 0.5), np.array([1, -1, 1])), False, "branch_defect"),
-        (one([0.2, 0.7, np.pi - 0.2], (2, 1, 0.5)), False, "circuit_defect"),
-        # r = 2, l = 1.8, e = 0.5: no link turns; the upper toggle lies beyond, the lower one at -40.5 degrees
-        (one([-1.0, 0.5, 1.0], (2, 1.8, 0.5)), False, "dead_point"),
-        (one([-0.5, 0.5, 1.0], (2, 1.8, 0.5)), True, "dead_point"),
-    ],
-)
-def test_defects_are_told(found, closed, meaning):
-    assert DEFECTS[int(judged(found, closed, False).more["defect"][0])] == meaning
-
-
 def test_the_cognate_draws_the_same_curve():
     """Its crank is as long as AP, and turns as the rod does; differences are of rounding of lengths below 10."""
-    found = one([0.3, 1.0, 2.0, 4.0], (1, 2.5, 0.5))
+    found = linkage([0.3, 1.0, 2.0, 4.0], (1, 2.5, 0.5), -1)
     two = cognates_of(found)
     assert two.more["cognate"].tolist() == [1, 2]
     assert two.numbers[1, 0] == pytest.approx(abs(0.5 + 0.5j), rel=1e-14)
@@ -198,31 +174,6 @@ def test_an_orientation_that_is_asked_for_is_kept():
     assert found.pose_error.max() < 1e-12
     assert 2 in found.branch.values
     assert set(fl.synthesise("slider_crank", motion=wanted, top=20).branch.values) == {1}
-
-
-@pytest.mark.parametrize(
-    ("task", "line"),
-    [
-        (
-            {"function": np.log10, "over": (1, 2), "travel": 1.0},
-            "turn_deg is missing; write the turn, such as",
-        ),
-        (
-            {"function": np.log10, "over": (1, 2), "turn_deg": (0, 400)},
-            "turn_deg is (0, 400); write a turn up to",
-        ),
-        ({"function": lambda x: 0 * x, "over": (1, 2), "turn_deg": 60}, "function has one value alone"),
-        ({"function": np.sin, "over": (0, 3), "turn_deg": 60, "travel": 0.0}, "travel is 0.0; write how far"),
-        ({"path": np.eye(2), "exact": True}, "exact is for planar_4r"),
-        ({"path": np.eye(5, 2), "bounds": {"a1": (0, 1)}}, "bounds: 'a1' is no number of a linkage"),
-        ({"path": np.eye(5, 2), "bounds": {"r": (-1, 0)}}, "bounds: r is (-1, 0), and a length is positive"),
-        ({"motion": np.arange(15).reshape(5, 3) / 10}, "rotation_length is missing: over four poses"),
-    ],
-)
-def test_bad_tasks_are_refused_with_a_remedy(task, line):
-    with pytest.raises(fl.InputError) as error:
-        fl.synthesise("slider_crank", **task)
-    assert str(error.value).startswith(line)
 
 
 def test_a_result_is_a_map(tmp_path):

@@ -12,6 +12,7 @@ from fastlink.synthesis import found as doors
 from fastlink.synthesis import functions, kernels, paths
 from fastlink.synthesis.found import DEFECTS, Linkages, cognates_of, judged
 from fastlink.synthesis.poses import dyads_of_five
+from tests.synthesis.test_nine_points import POINTS
 
 TURN = 2.0 * np.pi
 #: Kunjur, Krishnamurty 1997, as later papers use it: 18 points, a step of 20 degrees of the crank each.
@@ -191,15 +192,21 @@ def test_fewer_poses_are_met_exactly_by_the_best_of_a_family(count):
     assert used[0] > np.radians(45)
 
 
-def test_more_poses_are_met_by_the_linkage_that_made_them():
-    rng = np.random.default_rng(2)
+KNOWN = {"a1": 0.8, "a2": 1.7, "a3": 1.5, "a4": 2.0, "P_u": 0.9, "P_v": 0.6}
+
+
+def poses_of_known(rng):
+    """Return eight poses of the coupler of a known linkage."""
     theta = np.sort(rng.uniform(0, 3, 8))
-    design = {"a1": 0.8, "a2": 1.7, "a3": 1.5, "a4": 2.0, "P_u": 0.9, "P_v": 0.6}
-    at = fl.evaluate("planar_4r", ["P_x", "P_y", "theta2"], branch=2, theta1=theta, **design)
-    poses = np.stack([at["P_x"], at["P_y"], at["theta2"]], axis=1)
+    at = fl.evaluate("planar_4r", ["P_x", "P_y", "theta2"], branch=2, theta1=theta, **KNOWN)
+    return np.stack([at["P_x"], at["P_y"], at["theta2"]], axis=1)
+
+
+def test_more_poses_are_met_by_the_linkage_that_made_them():
+    poses = poses_of_known(np.random.default_rng(2))
     found = fl.synthesise("planar_4r", motion=poses, rotation_length=1.0, top=1)
     assert float(found.pose_error[0]) < 1e-13
-    assert {name: float(found[name][0]) for name in design} == pytest.approx(design, abs=1e-9)
+    assert {name: float(found[name][0]) for name in KNOWN} == pytest.approx(KNOWN, abs=1e-9)
 
 
 def test_five_timed_points_are_exact():
@@ -217,24 +224,13 @@ def test_nine_points_have_all_their_linkages_with_their_defects():
     """Problem 3 of Wampler, Morgan, Sommese 1992: 64 real triples (alphaCertified), of which one linkage, and its
     cognate with the same crank, pass the points in order by a crank that turns.
     """
-    points = [
-        (0.25, 0.0),
-        (0.52, 0.1),
-        (0.8, 0.7),
-        (1.2, 1.0),
-        (1.4, 1.3),
-        (1.1, 1.48),
-        (0.7, 1.4),
-        (0.2, 1.0),
-        (0.02, 0.4),
-    ]
-    found = fl.synthesise("planar_4r", path=points, exact=True, closed=True, top=400)
+    found = fl.synthesise("planar_4r", path=POINTS[3], exact=True, closed=True, top=400)
     assert found.attrs["complete"] == "all 64 real of 1,442 triples of cognates"
     assert found.sizes["design"] == 384
     assert found.defect.values[:3].tolist()[:2] == [0, 0]
     assert found.defect.values[2] > 0
     place, _ = points_of(found)
-    assert np.abs(place - np.array(points) @ [1, 1j]).max() < 1e-12
+    assert np.abs(place - np.array(POINTS[3]) @ [1, 1j]).max() < 1e-12
 
 
 def test_the_greatest_error_of_a_function_equioscillates():
@@ -270,11 +266,12 @@ def test_precision_points_are_met(points):
 
 
 def linkage(theta, lengths=(1.0, 3.0, 2.5, 3.5), side=1.0):
-    numbers = np.array([[*lengths, 0.5, 0.5, 0.0, 0.0, 0.0, 0.0]])
+    """Return a four-bar of four lengths, or a slider-crank of three."""
+    numbers = np.zeros((1, 10))
+    numbers[0, : len(lengths)], numbers[0, 4:6] = lengths, 0.5
     theta = np.array([theta], dtype=float)
-    return Linkages(
-        numbers, theta, np.broadcast_to(side, theta.shape).astype(float), np.ones(1, dtype=np.int64)
-    )
+    side = np.broadcast_to(side, theta.shape).astype(float)
+    return Linkages(numbers, theta, side, np.ones(1, dtype=np.int64), slider=len(lengths) == 3)
 
 
 @pytest.mark.parametrize(
@@ -287,6 +284,15 @@ def linkage(theta, lengths=(1.0, 3.0, 2.5, 3.5), side=1.0):
         (linkage([0.5, 1, 1.5], (2, 2, 2, 3.9), np.array([1, -1, 1])), False, "branch_defect"),
         (linkage([0.5, 1.0, 2.5], (2, 2, 2, 3.9)), False, "dead_point"),
         (linkage([-0.5, 0.1, 0.5], (2, 2, 2, 3.9)), True, "dead_point"),
+        (linkage([0, 1, 2, 3], (1, 2, 0.5), -1), True, "no_defect"),
+        (linkage([0, 2, 1, 3], (1, 2, 0.5), -1), False, "order_defect"),
+        (linkage([0, 1, 2], (1, 2, 0.5), np.array([1, -1, 1])), False, "circuit_defect"),
+        # r = 2 turns over where |2 sin - 0.5| < 1: up to 48.6 degrees on either side of the pivot, which are circuits
+        (linkage([-0.2, 0.2, 0.7], (2, 1, 0.5), np.array([1, -1, 1])), False, "branch_defect"),
+        (linkage([0.2, 0.7, np.pi - 0.2], (2, 1, 0.5), -1), False, "circuit_defect"),
+        # r = 2, l = 1.8, e = 0.5: no link turns; the upper toggle lies beyond, the lower one at -40.5 degrees
+        (linkage([-1.0, 0.5, 1.0], (2, 1.8, 0.5), -1), False, "dead_point"),
+        (linkage([-0.5, 0.5, 1.0], (2, 1.8, 0.5), -1), True, "dead_point"),
     ],
 )
 def test_defects_are_told(found, closed, meaning):
@@ -300,6 +306,10 @@ def test_cognates_draw_the_same_curve():
     assert six.more["cognate"].tolist() == [1, 1, 2, 2, 3, 3]
     point = six.pins()[-1]
     assert_allclose(point, np.repeat(found.pins()[-1], 6, axis=0), atol=1e-13)
+
+
+SLIDER = {"mechanism": "slider_crank"}
+LOG = SLIDER | {"function": np.log10, "over": (1, 2)}
 
 
 @pytest.mark.parametrize(
@@ -319,11 +329,19 @@ def test_cognates_draw_the_same_curve():
         ({"path": ARC, "timing": list("abcde")}, "timing has the shape (0,), and there are 5 points"),
         ({"function": lambda x: 1 / 0, "over": (0, 1), "turn_deg": (60, 60)}, "function: cannot be called"),
         ({}, "synthesise has no task"),
+        (LOG, "turn_deg is missing; write the turn, such as"),
+        (LOG | {"turn_deg": (0, 400)}, "turn_deg is (0, 400); write a turn up to"),
+        (LOG | {"function": lambda x: 0 * x, "turn_deg": 60}, "function has one value alone"),
+        (LOG | {"turn_deg": 60, "travel": 0.0}, "travel is 0.0; write how far"),
+        (SLIDER | {"path": np.eye(2), "exact": True}, "exact is for planar_4r"),
+        (SLIDER | {"path": ARC, "bounds": {"a1": (0, 1)}}, "bounds: 'a1' is no number of a linkage"),
+        (SLIDER | {"path": ARC, "bounds": {"r": (-1, 0)}}, "bounds: r is (-1, 0), and a length is positive"),
+        (SLIDER | {"motion": POSES}, "rotation_length is missing: over four poses"),
     ],
 )  # fmt: skip
 def test_bad_tasks_are_refused_with_a_remedy(task, line):
     with pytest.raises(fl.InputError) as error:
-        fl.synthesise("planar_4r", **task)
+        fl.synthesise(**{"mechanism": "planar_4r"} | task)
     assert str(error.value).startswith(line)
 
 
@@ -443,10 +461,7 @@ def test_the_best_of_a_family_does_not_depend_on_the_seed(seed):
 def test_conditions_hold_where_poses_are_met_nearly():
     """At the least error of a motion with a limit it stands at that limit, to what sequential programs leave of it."""
     rng = np.random.default_rng(4)
-    theta = np.sort(rng.uniform(0, 3, 8))
-    design = {"a1": 0.8, "a2": 1.7, "a3": 1.5, "a4": 2.0, "P_u": 0.9, "P_v": 0.6}
-    at = fl.evaluate("planar_4r", ["P_x", "P_y", "theta2"], branch=2, theta1=theta, **design)
-    poses = np.stack([at["P_x"], at["P_y"], at["theta2"]], axis=1) + 0.01 * rng.normal(size=(8, 3))
+    poses = poses_of_known(rng) + 0.01 * rng.normal(size=(8, 3))
     ask = {"motion": poses, "rotation_length": 1.0, "top": 1}
     free = fl.synthesise("planar_4r", **ask)
     short = fl.synthesise("planar_4r", where={"a4": (None, 1.95)}, **ask)

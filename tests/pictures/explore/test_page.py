@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from tests.support.browser import PATIENCE, new_tab, opened
-from tests.support.sweeps import sweep_4r
+from tests.support.sweeps import BARS, sweep_4r
 
 import fastlink as fl
 from fastlink.maps.units import flags_of
@@ -402,19 +402,16 @@ def test_a_map_of_one_axis_is_a_line(show):
 @pytest.fixture(scope="module")
 def coupler():
     """A map with a coupler point and links that have a mass, of one assembly mode."""
-    space = fl.grid(
-        a1=[0.3, 0.4, 0.5],
-        a2=np.linspace(0.8, 1.4, 13),
-        a3=np.linspace(0.4, 1.2, 9),
-        a4=1.0,
-        omega1=10.0,
-        P_u=0.5,
-        P_v=0.3,
-    )
+    lengths = {
+        "a1": [0.3, 0.4, 0.5],
+        "a2": np.linspace(0.8, 1.4, 13),
+        "a3": np.linspace(0.4, 1.2, 9),
+        "a4": 1.0,
+    }
+    space = fl.grid(lengths, omega1=10.0, P_u=0.5, P_v=0.3)
     names = ["omega4_max", "omega4_peak", "omega4_rms"]
     names += ["shaking_force_max", "transmission_angle_min", "P_y_min"]
-    codes, links = ["grashof_class", "status", "swing"], fl.round_bar(density=7750.0, radius=0.01)
-    return fl.sweep("planar_4r", space, [*names, *codes], links=links, branch=1)
+    return fl.sweep("planar_4r", space, [*names, "grashof_class", "status", "swing"], links=BARS)
 
 
 @pytest.fixture(scope="module")
@@ -442,16 +439,9 @@ def maps_of(kind, coupler):
     return sweep_4r(space, ["omega4"], theta1=36)
 
 
-#: Widths of a window with the kinds of pictures in it.
-VIEWS = {
-    390: ("cells", "points", "line"),
-    900: ("line", "cells", "points"),
-    1400: ("points", "line", "cells"),
-}
-
-
 @pytest.mark.sample(1)
-@pytest.mark.parametrize(("width", "kind"), [(width, kind) for width in VIEWS for kind in VIEWS[width]])
+@pytest.mark.parametrize("width", [390, 900, 1400])
+@pytest.mark.parametrize("kind", ["points", "cells", "line"])
 def test_no_text_lies_on_another_and_nothing_is_beyond_the_side(browser, coupler, kind, width):
     with fl.explore(maps_of(kind, coupler), browser=False) as page:
         view = {"width": width, "height": 844 if width == 390 else 900}
@@ -521,19 +511,12 @@ def agree(tab, coupler):
 
 def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, show, coupler_page):
     tab = show(coupler_page.url)
-    for name, value in {"a2": 1.2345, "omega1": 12.5, "P_v": -0.2}.items():
+    typed = {"a2": 1.2345, "omega1": 12.5, "P_v": -0.2}
+    for name, value in typed.items():
         tab.locator(f"#type-{name}").fill(str(value))
         settled(tab, f"design.motion.inputs.{name} === {value}")
     inputs = agree(tab, coupler)
-    assert inputs == {
-        "a1": 0.4,
-        "a2": 1.2345,
-        "a3": inputs["a3"],
-        "a4": 1.0,
-        "omega1": 12.5,
-        "P_u": 0.5,
-        "P_v": -0.2,
-    }
+    assert inputs == {"a1": 0.4, "a3": inputs["a3"], "a4": 1.0, "P_u": 0.5} | typed
     assert "Off the grid" in tab.locator("#off").inner_text()
     assert "sampled" in values(tab)["omega4_max"]
     for text in ("0", "-1", ""):  # a length has to be positive
@@ -564,13 +547,8 @@ def test_an_input_is_typed_off_the_grid_and_back(browser, coupler, show, coupler
 
 def test_forces_are_shown_as_arrows_where_masses_are_known(browser, coupler_page, show):
     tab = show(coupler_page.url)
-    assert [one["symbol"] for one in state(tab, "mechanism.loads")] == [
-        "F_41",
-        "F_21",
-        "F_32",
-        "F_43",
-        "T_41",
-    ]
+    symbols = [one["symbol"] for one in state(tab, "mechanism.loads")]
+    assert symbols == ["F_41", "F_21", "F_32", "F_43", "T_41"]
     before = state(tab, "element('linkage').toDataURL()")
     tab.locator("#tick-forces").click()
     settled(tab, "!loading && design.motion.greatest")
@@ -622,15 +600,12 @@ def test_a_linkage_that_is_dragged_apart_stops_there(show, coupler_page):
 
 @pytest.mark.stress
 def test_a_map_over_positions_is_evaluated_at_the_position_that_is_chosen(show):
-    maps = sweep_4r(
-        fl.grid(a1=[0.3, 0.4], a2=1.1, a3=0.8, a4=1.0, omega1=10.0), ["omega4"], theta1_deg=[10, 50]
-    )
+    design = {"a2": 1.1, "a3": 0.8, "a4": 1.0, "omega1": 10.0}
+    maps = sweep_4r(fl.grid(design, a1=[0.3, 0.4]), ["omega4"], theta1_deg=[10, 50])
     with fl.explore(maps, browser=False) as page:
         tab = show(page.url)
         tab.locator("#type-a1").fill("0.35")
         settled(tab, "!loading && !designing && state.cursor?.free?.a1 === 0.35")
-        true = fl.evaluate(
-            "planar_4r", ["omega4"], a1=0.35, a2=1.1, a3=0.8, a4=1.0, omega1=10.0, theta1_deg=10, branch=1
-        )
+        true = fl.evaluate("planar_4r", ["omega4"], **design, a1=0.35, theta1_deg=10)
         assert state(tab, "state.cursor.theta1") == 0
         assert state(tab, "design.row.omega4") == pytest.approx(float(true["omega4"]), rel=1e-9)
