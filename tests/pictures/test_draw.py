@@ -269,7 +269,7 @@ def test_every_path_that_is_bent_has_a_comb(mechanism, show, paths):
 
 @pytest.mark.parametrize(("phi", "sign"), [(4.93, 1.0), (1.3, -1.0)], ids=["ellipse", "hyperbola"])
 def test_a_conic_has_the_foci_that_are_shown(phi, sign):
-    """Distances to them have one sum or one difference; the splines of a drawn ellipse are off by 1e-6 of it."""
+    """Distances to them have one sum or one difference, within a tenth of a pixel of 600: a drawn ellipse is a polygon."""
     design = DESIGNS["focal"] | {"phi": phi}
     axis = fl.draw("focal", design, show="foci", branch=1).axes[0]
     to_data = axis.transData.inverted().transform
@@ -278,7 +278,7 @@ def test_a_conic_has_the_foci_that_are_shown(phi, sign):
     (other,) = [one.get_xydata()[0] for one in axis.lines if one.get_marker() == "x"]
     focus = [*fl.evaluate("focal", ["F_x", "F_y"], **design, branch=1).values()]
     to_focus, to_other = (np.hypot(*(np.concatenate(drawn) - at).T) for at in (focus, other))
-    assert_allclose(abs(to_focus + sign * to_other), abs(to_focus[0] + sign * to_other[0]), rtol=1e-5)
+    assert_allclose(abs(to_focus + sign * to_other), abs(to_focus[0] + sign * to_other[0]), rtol=1e-3)
     assert np.ptp(to_focus) > 0.1 * design["a"]
 
 
