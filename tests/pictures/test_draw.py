@@ -269,7 +269,7 @@ def test_every_path_that_is_bent_has_a_comb(mechanism, show, paths):
 
 @pytest.mark.parametrize(("phi", "sign"), [(4.93, 1.0), (1.3, -1.0)], ids=["ellipse", "hyperbola"])
 def test_a_conic_has_the_foci_that_are_shown(phi, sign):
-    """Distances to them have one sum or one difference, within a tenth of a pixel of 600: a drawn ellipse is a polygon."""
+    """Distances to them have one sum or difference, to a tenth of a pixel: a drawn ellipse is a polygon."""
     design = DESIGNS["focal"] | {"phi": phi}
     axis = fl.draw("focal", design, show="foci", branch=1).axes[0]
     to_data = axis.transData.inverted().transform
