@@ -36,6 +36,7 @@ from fastlink.engine.sweep import sweep
 from fastlink.errors import InputError, door
 from fastlink.facts.fact import Input
 from fastlink.facts.own import OwnQuantity
+from fastlink.io.checksums import count_of
 from fastlink.io.partial_file import check_target, write_all
 from fastlink.machine import available_memory
 from fastlink.numerics import compensated, vectors
@@ -133,7 +134,7 @@ def _evaluated(sample: ResolvedSweep, job: Job, sink: Sink, threads: int, length
         count = min(most, 4 * count)
         pending = _spread(job.size, count)
     seconds = statistics.median(timed(pending) for _ in range(REPEATS))
-    return seconds, sum(stop - start for start, stop in pending)
+    return seconds, count_of(pending)
 
 
 def _spread(size: int, count: int) -> list[tuple[int, int]]:
@@ -157,9 +158,9 @@ def _scratch(folder: Path | None) -> Iterator[Sink]:
                 array.copy()
                 continue
             with lock:
-                own, position = position, (position + array.nbytes) % MOST_BYTES
+                start_at, position = position, (position + array.nbytes) % MOST_BYTES
             with contextlib.suppress(OSError):  # a full disk is refused elsewhere
-                write_all(fd, array.reshape(-1).view(np.uint8).data, own)
+                write_all(fd, array.reshape(-1).view(np.uint8).data, start_at)
 
     with contextlib.ExitStack() as stack:
         if folder is not None:

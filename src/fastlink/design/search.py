@@ -36,7 +36,7 @@ from fastlink.errors import InputError, Pair, Problems, Remedy, Setting, check_s
 from fastlink.facts.arc import ARC
 from fastlink.facts.catalogue import ELIMINATED, Catalogue
 from fastlink.facts.own import declared_names
-from fastlink.io.checksums import Range, Ranges, joined_ranges, missing
+from fastlink.io.checksums import Range, Ranges, count_of, joined_ranges, missing
 from fastlink.io.joining import CORE_TIME, JOINED, RUN_AGAIN, JoinedMap, PartFile, merged, part_files
 from fastlink.io.layout import HISTORY, Variable, history, plain_attrs
 from fastlink.io.output_path import exists_error, not_writable, reason, refused, search_of
@@ -448,14 +448,10 @@ class _Gathering(_Gathered):
             if self.unfinished.path is not None and (now := self.done.joined()):
                 with contextlib.suppress(InputError):
                     self.unfinished.write(*self.report())
-                    share = _count(now) / _count(wanted)
+                    share = count_of(now) / count_of(wanted)
                     searched = f"{share:.0%} of the designs are searched, as {self.unfinished.path} says"
                     error.add_note(f"{searched}; run the same again to go on")
             raise
-
-
-def _count(ranges: list[Range]) -> int:
-    return sum(stop - start for start, stop in ranges)
 
 
 # -- The request of a search, and its result as a map of the designs that were found

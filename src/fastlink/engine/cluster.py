@@ -28,14 +28,13 @@ from fastlink.codegen.runtime.cells import LANES
 from fastlink.engine.run import Job, Sink, block_length, row_bytes, run
 from fastlink.engine.sinks import into
 from fastlink.errors import InputError, KeyPath, Problems, remark, require_package
+from fastlink.io.checksums import Range, count_of
 from fastlink.io.output_path import reason
 from fastlink.io.writer import NotSeenError
 
 if TYPE_CHECKING:
     from distributed import Client, Future
     from numpy.typing import NDArray
-
-    from fastlink.io.checksums import Range
 
 
 class Keeper(Protocol):
@@ -238,7 +237,7 @@ class _Pending:
 
     def __init__(self, ranges: Sequence[Range]) -> None:
         self.ranges = list(reversed([(start, stop) for start, stop in ranges if start < stop]))
-        self.left = sum(stop - start for start, stop in self.ranges)
+        self.left = count_of(self.ranges)
 
     def take(self, most: int) -> Range:
         """Return the next designs, at most so many."""

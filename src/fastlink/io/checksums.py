@@ -49,6 +49,15 @@ def joined_ranges(ranges: list[Range]) -> list[Range]:
     return result
 
 
+def count_of(ranges: Iterable[Range]) -> int:
+    """Return how many numbers are in ranges that do not overlap.
+
+    >>> count_of([(0, 6), (8, 9)])
+    7
+    """
+    return sum(stop - start for start, stop in ranges)
+
+
 def missing(written: list[Range], size: int) -> list[Range]:
     """Return the parts of 0 to `size` that ordered ranges leave out.
 

@@ -18,7 +18,16 @@ from typing import Any, TypeVar
 import h5py
 
 from fastlink.errors import KeyPath, Remedy, Setting, check_output
-from fastlink.io.checksums import Range, add, joined_ranges, of_file, seal, seal_is_broken, seek_lock
+from fastlink.io.checksums import (
+    Range,
+    add,
+    count_of,
+    joined_ranges,
+    of_file,
+    seal,
+    seal_is_broken,
+    seek_lock,
+)
 from fastlink.io.layout import FINGERPRINT
 from fastlink.io.output_path import (
     SLACK,
@@ -554,7 +563,7 @@ def check_left(path: Path, fingerprint: str, remedy: Remedy = RESTART) -> None:
     journal = read_journal(part)
     if journal is not None and part.exists():
         about, written, _ = journal
-        count, size = sum(stop - start for start, stop in written), about.get("size", 0)
+        count, size = count_of(written), about.get("size", 0)
         same = about.get("fingerprint") == fingerprint
         whose = "laid out by another version of HDF5" if same else "of another request, or by another version"
         if count:

@@ -372,12 +372,12 @@ def open_map(path: str | os.PathLike[str], *, chunks: Any = None, **options: Any
         raise InputError(what, remedy="give a map that a sweep has written") from error
     version = dataset.attrs.get(FORMAT)
     if isinstance(version, (int, np.integer)) and version <= FORMAT_VERSION:
-        by = str(dataset.attrs.get(COMPRESSION, BUILT_IN)).partition(":")[0]
-        if engine != "zarr" and by != BUILT_IN:
+        compressor = str(dataset.attrs.get(COMPRESSION, BUILT_IN)).partition(":")[0]
+        if engine != "zarr" and compressor != BUILT_IN:
             with contextlib.ExitStack() as stack:
                 stack.callback(dataset.close)
                 require_package("hdf5plugin", ("path",))
-                register_filter(by)
+                register_filter(compressor)
                 stack.pop_all()
         return dataset
     dataset.close()

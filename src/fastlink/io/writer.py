@@ -33,6 +33,7 @@ from fastlink.io.checksums import (
     add,
     all_but,
     block_count,
+    count_of,
     joined_ranges,
     missing,
     of_pieces,
@@ -406,7 +407,7 @@ def resume(
         if wrong:
             whole = file.without(wrong, written)
             found = file.sums(whole)
-            lost = _count(written) - _count(whole)
+            lost = count_of(written) - count_of(whole)
             remark(f"{part}: the values of {lost:,} designs have changed; they are computed again")
     except BaseException:
         os.close(fd)
@@ -428,10 +429,6 @@ def _groups(places: list[Range]) -> Iterator[list[Range]]:
             nbytes += part
     if group:
         yield group
-
-
-def _count(ranges: list[Range]) -> int:
-    return sum(stop - start for start, stop in ranges)
 
 
 # -- Write blocks of values where they lie in a laid-out file, and tell what they add to its checksums
@@ -660,9 +657,9 @@ class Writer:
         #: Ranges of designs that an earlier run has written.
         self.written: list[Range] = []
         self._sums = dict[int, int]()
-        of_values = partial(ValuesFile, variables=variables, size=self._size, rows=self._rows)
+        values = partial(ValuesFile, variables=variables, size=self._size, rows=self._rows)
         try:
-            found = None if restart else resume(self.part, self._fingerprint, of_values, lay_out_all)
+            found = None if restart else resume(self.part, self._fingerprint, values, lay_out_all)
             if found is not None:
                 self._file, self.written, self._sums = found
                 for name, places in self._file.places(self.written):
@@ -670,7 +667,7 @@ class Writer:
             else:
                 if not restart:
                     check_left(self.path, self._fingerprint)
-                self._file = of_values(*self._started(lay_out_all))
+                self._file = values(*self._started(lay_out_all))
         except OF_HDF5 as error:
             raise self._failure(error) from error
         #: Ranges of designs that are left to be written.
@@ -810,7 +807,7 @@ class Writer:
             return
         with contextlib.suppress(OSError):
             os.close(self._fd)
-        share = _count(self._journal.recorded) / self._size
+        share = count_of(self._journal.recorded) / self._size
         if error is not None:
             error.add_note(f"{share:.0%} of the designs are kept in {self.part}; run the same again to go on")
 
@@ -820,9 +817,9 @@ class Writer:
         def lay(path: Path) -> dict[str, int]:
             with scratch() as (other, laid):
                 offsets = lay_out(other)
-                of_values = {offsets[variable.name]: variable.nbytes for variable in self._variables.values()}
+                extents = {offsets[variable.name]: variable.nbytes for variable in self._variables.values()}
                 with os.fdopen(create(path), "r+b", buffering=0) as file:
-                    copy_labels(laid, file.fileno(), of_values)
+                    copy_labels(laid, file.fileno(), extents)
                     # HDF5 gives back at the end what the attributes leave
                     reserve(file.fileno(), SLACK)
             return offsets

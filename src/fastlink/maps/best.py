@@ -201,11 +201,11 @@ class Rows:
     def read(self, array: xr.DataArray, block: Block) -> NDArray[Any]:
         """Return the values of a variable in the rows of a block; it has some of the dimensions, or none."""
         parts = dict(zip(self.sizes, block.index, strict=False))  # the last dimensions are whole
-        own = array.variable[{dim: part for dim, part in parts.items() if dim in array.dims}].load()
+        variable = array.variable[{dim: part for dim, part in parts.items() if dim in array.dims}].load()
         first, *others = (dim for dim in self.sizes if not isinstance(parts.get(dim), int))
         sizes = {dim: self.sizes[dim] for dim in others}
         sizes = {first: block.count // math.prod(sizes.values()), **sizes}
-        whole = own.set_dims(sizes)  # type: ignore[no-untyped-call]
+        whole = variable.set_dims(sizes)  # type: ignore[no-untyped-call]
         return np.asarray(whole.transpose(*sizes).values).reshape(-1)
 
     def taken(self, maps: xr.Dataset, flat: NDArray[np.int64]) -> xr.Dataset:
@@ -644,11 +644,11 @@ def chosen(choice: Choice) -> Selection:
     sought, rows = choice.objectives, Rows.of(choice.arrays)
     reading = Reading(rows, choice)
     places, kept = np.empty(0, dtype=np.int64), np.empty((0, len(sought)))
-    for own, points in reading:
+    for further, points in reading:
         if len(sought) > 1:
             left = undominated(points, kept)
-            own, points = own[left], points[left]
-        places, kept = np.concatenate((places, own)), np.concatenate((kept, points))
+            further, points = further[left], points[left]
+        places, kept = np.concatenate((places, further)), np.concatenate((kept, points))
         again = kept_of(kept, choice.top)
         places, kept = places[again], kept[again]
     considered = f"of {reading.tally.considered:,}"

@@ -443,6 +443,10 @@ class Planner:
             order = self.order_at_toggles(request.quantity)
             if order is None or order < reduction.toggle_order:
                 return ()
+        if self.is_in_pieces:
+            what = f"quantity {request.name!r} has no value where the turn has a limit of motion"
+            remedy = ("write ", Setting("extrema", "sampled"), " for that of samples")
+            raise InputError(f"{what}, which only a search finds", remedy=remedy)
         return tuple(toggle for _, _, toggle in graded.ends)
 
     def order_at_toggles(self, quantity: str) -> int | None:

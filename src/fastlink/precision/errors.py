@@ -107,18 +107,14 @@ class Sample:
         """Return the power of two near which a quantity is: of the longest bar, greatest mass and rate of a design."""
         known = self.catalogue.known_inputs(self.plan.variants)
         values = {name: float(column[design]) for name, column in self.inputs.items()}
-        of = {
-            name: dimensions(known[name].units)
-            for name, value in values.items()
-            if 0.0 < abs(value) < math.inf
-        }
-        exponent = {name: math.frexp(values[name])[1] for name in of}
-        bars = [exponent[name] for name in of if of[name] == UNITS["m"] and known[name].rule == "positive"]
+        finite = [name for name, value in values.items() if 0.0 < abs(value) < math.inf]
+        #: Of each input the exponent of its number, and the powers of kg, m and s in its units.
+        inputs = {name: (math.frexp(values[name])[1], dimensions(known[name].units)) for name in finite}
+        bars = [k for name, (k, of) in inputs.items() if of == UNITS["m"] and known[name].rule == "positive"]
         length = max(bars, default=0)
-        rates = [exponent[n] // -of[n][2] for n in of if of[n][:2] == (0, 0) and of[n][2] < 0]
-        rate = max(rates, default=0)
-        masses = [exponent[n] for n in of if of[n] == UNITS["kg"]]
-        masses = masses or [exponent[n] - of[n][1] * length + of[n][2] * rate for n in of if of[n][0] == 1]
+        rate = max((k // -s for k, (kg, m, s) in inputs.values() if (kg, m) == (0, 0) and s < 0), default=0)
+        masses = [k for k, of in inputs.values() if of == UNITS["kg"]]
+        masses = masses or [k - m * length + s * rate for k, (kg, m, s) in inputs.values() if kg == 1]
         powers = dimensions(self.catalogue.public_fact(quantity).units)
         sizes = max(masses, default=0), length, -rate
         return math.ldexp(1.0, sum(x * y for x, y in zip(powers, sizes, strict=True)))

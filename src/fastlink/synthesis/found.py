@@ -451,29 +451,29 @@ class Solved:
     @property
     def size(self) -> float:
         """The size of a path or a motion."""
-        of = self.path
-        return float(np.sqrt(of.size / len(of.target))) if of.angles is None else of.extent
+        task = self.path
+        return float(np.sqrt(task.size / len(task.target))) if task.angles is None else task.extent
 
     def changed(self, numbers: Floats, theta: Floats, side: Floats, body: Any = None) -> Linkages:
         """Return linkages for a path or a motion, from others that were changed: those within their limits."""
-        of, count = self.path, len(numbers)
+        task, count = self.path, len(numbers)
         more: dict[str, Any] = {}
-        if of.angles is not None:
+        if task.angles is not None:
             more["body_angle"] = numbers[:, 9].copy() if body is None else body
             numbers[:, 9] = 0.0
-        elif of.times is not None:
-            theta = numbers[:, 9:] + of.times
+        elif task.times is not None:
+            theta = numbers[:, 9:] + task.times
         else:
             more = {"cognate": np.ones(count, dtype=np.int8), "curve": np.arange(count)}
         made = self.asked.within(Linkages(numbers, theta, side, None, more, self.asked.slider))
-        return _come_back(made) if self.found.theta.shape[1] > len(of.target) else made
+        return _come_back(made) if self.found.theta.shape[1] > len(task.target) else made
 
     def varied(self, some: Linkages, change: float, rng: Any) -> Linkages:
         """Return linkages that do a task exactly, near others: these are changed at random and made exact again."""
-        of, count = self.path, len(self.path.target)
-        if of.angles is not None:
-            return self.changed(*poses.varied(of, some.pins(), change, rng))
-        made = paths.varied(of, some.numbers, some.theta[:, :count], some.side[:, 0], change, rng)
+        task, count = self.path, len(self.path.target)
+        if task.angles is not None:
+            return self.changed(*poses.varied(task, some.pins(), change, rng))
+        made = paths.varied(task, some.numbers, some.theta[:, :count], some.side[:, 0], change, rng)
         return self.changed(made.numbers, made.theta, np.repeat(made.signs[:, :1], count, axis=1))
 
 
@@ -554,8 +554,8 @@ def _solve_path(asked: Asked, steps: Steps, path: Any, timing: Any, closed: Any)
     if times is not None:
         attrs["timing"] = "crank angles, but for a phase"
     least = "ordered_distance" if task.is_whole else "path_error"
-    of = None if asked.exact else task
-    return Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact, path=of)
+    path = None if asked.exact else task
+    return Solved("path", asked, found, coords, attrs, least, with_defects=asked.exact, path=path)
 
 
 def _come_back(found: Linkages) -> Linkages:
@@ -985,14 +985,14 @@ def _refined_within(
     """
     asked, size, aim = solved.asked, solved.size, choice.objectives[0]
     by_error = not names or str(aim.array.name) not in names
-    of, found, side = solved.path, solved.found, float(solved.found.side[row, 0])
-    fit = paths.Fit(of, found.theta[row, : len(of.target)], side)
+    task, found, side = solved.path, solved.found, float(solved.found.side[row, 0])
+    fit = paths.Fit(task, found.theta[row, : len(task.target)], side)
     start: Floats = found.numbers[row].copy()
-    if of.angles is not None:
+    if task.angles is not None:
         start[9] = found.more["body_angle"][row]
-    if of.crank and names:  # off a change point, where rates are infinite
+    if task.crank and names:  # off a change point, where rates are infinite
         start[3 if start[3] < start[0] and not asked.slider else 0] *= 0.97
-    unknowns = 9 + (of.times is not None or of.angles is not None)
+    unknowns = 9 + (task.times is not None or task.angles is not None)
     free = np.flatnonzero((asked.lower < asked.upper) & (np.arange(10) < unknowns))
     free = free[free != 3] if asked.slider else free
     scale = np.where(np.isin(free, (8, 9)), 1.0, size)
@@ -1034,7 +1034,7 @@ def _refined_within(
 
     rules = [constraint("ineq", partial(limit, *end)) for end in _ends(limits)]
     rules += [constraint("ineq", distances)] * greatest
-    if of.crank:
+    if task.crank:
         longer = 1.0 if start[3] >= start[0] else -1.0
         of_bars = [[-longer, -1, 1, longer], [-longer, 1, -1, longer], [-1, 1, 1, -1]]
         folds = np.array([[-1, 1, -1, 0], [-1, 1, 1, 0]] if asked.slider else of_bars, dtype=float)

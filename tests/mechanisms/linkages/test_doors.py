@@ -4,7 +4,8 @@ import pickle
 
 import numpy as np
 import pytest
-from tests.mechanisms.linkages.declared import DECLARED, SIX_BAR, TURNING
+from tests.mechanisms.linkages.declared import DECLARED, SIX_BAR, TURNING, six_bars
+from tests.support.refusals import refused as refusing
 from tests.test_cli import called
 
 import fastlink as fl
@@ -134,3 +135,11 @@ def test_what_a_search_finds_of_a_linkage_is_written_and_read(tmp_path, monkeypa
     with fl.open(place) as written:
         assert written.F_x_max.item() == found.F_x_max.item()
         assert written.attrs["mechanism"] == str(SIX_BAR)
+
+
+@pytest.mark.parametrize("name", ["omega_AB_rms", "alpha_GF_mean", "omega_PF_fluctuation"])
+def test_integrals_that_a_limit_of_motion_may_spoil_are_refused_but_of_samples(name):
+    designs = six_bars(3, 5) | {"omega": 1.0}
+    with refusing(name, "write extrema='sampled'"):
+        fl.sweep(SIX_BAR, designs, [name], branch=1)
+    assert name in fl.sweep(SIX_BAR, designs, [name], branch=1, extrema="sampled")

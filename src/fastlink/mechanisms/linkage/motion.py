@@ -559,8 +559,8 @@ class Writer:
         for name, at in ground.items():
             with self.within("ground", str(name)):
                 self.new_name((), name)
-                of = ((f"{name}_{axis}", f"{axis} of the pivot {name}") for axis in "xy")
-                x, y = self.values((), at, COORDINATES, *of)
+                labels = ((f"{name}_{axis}", f"{axis} of the pivot {name}") for axis in "xy")
+                x, y = self.values((), at, COORDINATES, *labels)
                 self.points[name] = self.in_loops[name] = x, y
                 self.links[0].points.append(name)
                 self.drawn.append(Point(name, _value(x), _value(y), "ground"))
@@ -611,8 +611,8 @@ class Writer:
         if not isinstance(given, Mapping) or given.keys() != {"along", "stroke"}:
             raise InputError(f"is {short_repr(given)}", where, shape)
         line = self.line((*where, "along"), given["along"])
-        of = ((f"stroke_{pin}_{k}", f"end of the stroke of {pin}, number {k}") for k in (1, 2))
-        one, other = self.values((*where, "stroke"), given["stroke"], "places on the line", *of)
+        labels = ((f"stroke_{pin}_{k}", f"end of the stroke of {pin}, number {k}") for k in (1, 2))
+        one, other = self.values((*where, "stroke"), given["stroke"], "places on the line", *labels)
         self.inputs["omega"] = [
             "omega [rad s-1] omega: rate of theta, a turn of which is a stroke to and fro; constant"
         ]
@@ -697,8 +697,8 @@ class Writer:
             what = f"{a} and {d} are of one link, on which {name} would be fixed"
             raise InputError(what, ("rrr",), f"write {SHAPES['on']}")
         first, second = a + name, d + name
-        of = ((f"{OF_NUMBER}{bar}", f"length of the bar {bar}") for bar in (first, second))
-        l1, l2 = self.values(("lengths",), given["lengths"], "lengths", *of, rule="positive")
+        labels = ((f"{OF_NUMBER}{bar}", f"length of the bar {bar}") for bar in (first, second))
+        l1, l2 = self.values(("lengths",), given["lengths"], "lengths", *labels, rule="positive")
         meanings = (f"{name} to the right of {a}{d}", f"{name} to its left")  # in the order of the planar 4R
         between = f"the bars {first} and {second}"
         self.add_ways(name, meanings, between, "-1.0")
@@ -890,8 +890,8 @@ class Writer:
     def place_of(self, name: str, given: Mapping[str, Any], link: Link) -> tuple[str, str]:
         """Return the place of a point along the axis of its link, and left of that."""
         ways = (("u", "along"), ("v", "left of"))
-        of = ((f"{name}_{axis}", f"place of {name} on {link.name}, {way} its axis") for axis, way in ways)
-        return self.values(("at",), given["at"], COORDINATES, *of)
+        labels = ((f"{name}_{axis}", f"place of {name} on {link.name}, {way} its axis") for axis, way in ways)
+        return self.values(("at",), given["at"], COORDINATES, *labels)
 
     def third_of(self, name: str, given: Mapping[str, Any], start: str, end: str) -> tuple[str, str]:
         """Return the place of a point by its distances from both ends of a bar, to the left of that or to the right."""
@@ -900,8 +900,8 @@ class Writer:
             what = f"{start}{end} is no bar whose length is given"
             raise InputError(what, ("lengths",), f"write {SHAPES['on']}")
         check_choice(("side",), side := given.get("side", "left"), ("left", "right"))
-        of = ((f"{OF_NUMBER}{end}{name}", f"distance of {end} and {name}") for end in (start, end))
-        d, e = self.values(("lengths",), given["lengths"], "lengths", *of, rule="positive")
+        labels = ((f"{OF_NUMBER}{end}{name}", f"distance of {end} and {name}") for end in (start, end))
+        d, e = self.values(("lengths",), given["lengths"], "lengths", *labels, rule="positive")
         self.lengths |= {frozenset((start, name)): d, frozenset((end, name)): e}
         u, v = f"along_{start}{end}_{name}", f"left_{start}{end}_{name}"
         self.fact(

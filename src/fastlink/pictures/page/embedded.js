@@ -39,7 +39,7 @@ const inWindow = (dim, window, most) => {
   const [low, high] = window[dim] ?? [0, dims[dim].length - 1];
   return [low, high, Math.max(1, Math.ceil((high - low + 1) / most))];
 };
-// One value for each cell of several, as `pooled` in content.py has it.
+// One value for each cell of several, as `_pooled` in content.py has it.
 function pooledOf(values, sizes, steps, pool) {
   const [high, wide] = sizes.length > 1 ? sizes : [1, sizes[0]], [down, across] = steps.length > 1 ? steps : [1, steps[0]];
   const found = new Float64Array(Math.ceil(high / down) * Math.ceil(wide / across));
