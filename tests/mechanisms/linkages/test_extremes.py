@@ -68,13 +68,18 @@ def test_a_declared_mechanism_has_the_extremes_of_the_one_by_hand(mechanism, cou
     ours = [f"{name}_{how}{of}" for name in shared.values() for how, of in ends]
     known = fl.sweep(mechanism, designs | {speed: 10.0}, theirs, branch=(1, 2))
     found = fl.sweep(declared, designs | {"omega": 10.0}, ours, branch=(1, 2))
+    words = ("change_point", "assembles_in_one_position", "never_assembles")
+    flags = known.status.attrs["flag_meanings"].split()
+    # the longest bar is as long as the others by one rounding: there is one position, or none
+    one = flags.index("assembles_in_one_position") if "assembles_in_one_position" in flags else -1
+    none = found.status.attrs["flag_meanings"].split().index("never_assembles")
+    open_by_rounding = (known.status.values[:, None] == one) & (found.status.values == none)
     for name, other in zip(theirs[::2], ours[::2], strict=True):
         a, b = known[name].values, found[other].values
         same = agree(a, known[f"{name}_error"].values, b, found[f"{other}_error"].values)
+        same |= open_by_rounding
         assert same.all(), (name, np.argwhere(~same)[:3], a[~same][:3], b[~same][:3])
     # where the other counts a gap as zero, the declared one sees which side it is on, if its bounds are finite
-    words = np.array(["change_point", "assembles_in_one_position", "never_assembles"])
-    flags = known.status.attrs["flag_meanings"].split()
     unsure = [flags.index(word) for word in words if word in flags]
     decided = np.isfinite(found[ours[1]].values).all(axis=1) & ~np.isin(known.status.values, unsure)
     assert (found.status.values[decided] == known.status.values[decided, None]).all()
